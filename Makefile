@@ -18,7 +18,7 @@ LOWEST := .venv-minimum
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make kernels   compile the kernels ahead of time, for this machine and web pages"
-	@echo "make dist   build the wheel with these kernels and the source distribution into ./dist"
+	@echo "make dist   build the wheel with these kernels, the source distribution and the live page bearing.html into ./dist"
 	@echo "make dist-check   test both in empty environments (PYTHONS='python3.11 python3.13')"
 	@echo "make release VERSION=0.4.0   write the version to all files, commit and tag"
 	@echo "make test   run all but the thorough tests, on all cores (WORKERS=0: in one process)"
@@ -58,6 +58,7 @@ dist: $(LINKER)
 	$(BIN)/python -m kernels all
 	rm -rf dist
 	$(BIN)/python -m hatchling build -d dist
+	$(BIN)/thermobearing live -o dist/bearing.html
 
 PYTHONS ?= $(PYTHON)
 dist-check:

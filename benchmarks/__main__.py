@@ -69,17 +69,17 @@ def main() -> None:
     parser.add_argument("--fits", metavar="N", type=int, help="of each cell of `coverage`; 60")
     options = parser.parse_args()
     begin, console = time.perf_counter(), Console(width=170)
-    found: dict[str, list[Row]] = {}
+    measured_rows: dict[str, list[Row]] = {}
     for item in options.only:
         console.print(f"measuring {item} ...", style="dim")
         fits = {"fits": options.fits} if item == "coverage" and options.fits else {}
-        found[item] = measured(item, **fits)
+        measured_rows[item] = measured(item, **fits)
         if options.json:  # now, for benchmarks that are interrupted
-            listed = {name: [asdict(row) for row in rows] for name, rows in found.items()}
+            listed = {name: [asdict(row) for row in rows] for name, rows in measured_rows.items()}
             report = {"machine": machine(), "rows": listed, "seconds": time.perf_counter() - begin}
             options.json.write_text(json.dumps(report, indent=1) + "\n")
-    console.print(table(found, machine()))
-    judged = [row.met for rows in found.values() for row in rows if row.met is not None]
+    console.print(table(measured_rows, machine()))
+    judged = [row.met for rows in measured_rows.values() for row in rows if row.met is not None]
     elapsed = time.perf_counter() - begin
     console.print(f"{sum(judged)} of {len(judged)} targets met; {elapsed:.0f} s")
 

@@ -1,17 +1,16 @@
 """What alternatives to the printed LHDR specimen meet: `python -m benchmarks.alternative_bearings`.
 
-Prints the tables of docs/alternative_bearings.md and draws its figure: Table 3.4 of the printed
-bearing and of four named alternatives, and fits of the printed model (constant strength, confined
-lead) to synthetic tests of bearings whose rubber has the m_T and n_T of Table 4.2.
+Prints the tables of docs/alternative_bearings.md, whose figure `draw` returns: Table 3.4 of the
+printed bearing and of four named alternatives, and fits of the printed model (constant strength,
+confined lead) to synthetic tests of bearings whose rubber has the m_T and n_T of Table 4.2.
 """
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 import thermobearing as tb
 from thermobearing.cyclic.protocol import Wave
@@ -29,7 +28,6 @@ TRUTHS: dict[str, dict[str, Any]] = {
     "softening, confined": {"softening": 0.0069},
     "softening, in touch": {"confined": False, "softening": 0.0069},
 }
-PAGE = Path(__file__).parents[1] / "docs" / "figures" / "alternative_bearings.png"
 
 
 @cache
@@ -53,14 +51,14 @@ def measures(name: str) -> pd.DataFrame:
     DataFrame : rise of the lead [K], rise of the third layer [K] and that over the HDR specimen's,
         largest force [kN], h_eq of the fifth cycle.
     """
-    last, other = _last_cycles(name), _last_cycles(HDR)
+    last, reference = _last_cycles(name), _last_cycles(HDR)
     air = last.index.to_numpy()
     rise = last["rubber3_degC"] - air
     return pd.DataFrame(
         {
             "lead_K": last["lead_degC"] - air,
             "rubber_K": rise,
-            "rubber_over_hdr": rise / (other["rubber3_degC"] - air),
+            "rubber_over_hdr": rise / (reference["rubber3_degC"] - air),
             "force_kN": last["force_kN"],
             "h_eq": last["h_eq"],
         }
@@ -76,20 +74,29 @@ def fit_of(change: dict[str, Any]) -> dict[str, tuple[float, float]]:
         synthetic_record(truth, air, seed=k, noise=0.01, sampling=25.0)
         for k, air in enumerate(AMBIENTS)
     ]
-    found = identify_bearing(records, model, free=list(FREE), starts=1, blind=False)
-    known = found.uncertainty.estimates
+    identification = identify_bearing(
+        records, model, free=list(FREE), starts=1, start_from="bearing"
+    )
+    estimates = identification.uncertainty.estimates
     keys = {"m_T": "elastic", "n_T": "hysteretic"}
-    pairs = {k: known[f"hysteresis.{v}_temperature_coefficient"] for k, v in keys.items()}
-    return {k: (one.value, one.stderr) for k, one in pairs.items()}
+    pairs = {k: estimates[f"hysteresis.{v}_temperature_coefficient"] for k, v in keys.items()}
+    return {k: (estimate.value, estimate.stderr) for k, estimate in pairs.items()}
 
 
-def draw(fits: dict[str, dict[str, tuple[float, float]]]) -> None:
+@cache
+def fitted() -> dict[str, dict[str, tuple[float, float]]]:
+    """Return m_T and n_T with their standard errors for each kind of lead (minutes)."""
+    return {lead: fit_of(change) for lead, change in TRUTHS.items()}
+
+
+def draw() -> Figure:
     """Draw m_T and n_T of the fits with 95 % intervals, between Table 4.2 and Table 5.2."""
+    fits = fitted()
     title = "the printed model fitted to tests of other lead"
     figure, axes = drawing.panels(1, 2, (8.6, 3.2), title)
     ends = {"m_T": (-0.914, -1.924), "n_T": (-2.189, -3.299)}
     for ax, (key, (rubber, printed)) in zip(axes, ends.items(), strict=True):
-        values, errors = np.array([found[key] for found in fits.values()]).T
+        values, errors = np.array([fit[key] for fit in fits.values()]).T
         rows, blue = np.arange(len(fits)), "#0072B2"
         ax.errorbar(values, rows, xerr=1.96 * errors, fmt="o", color=blue, markersize=4)
         ax.axvline(rubber, color="#009E73", label="rubber of the tests, Table 4.2")
@@ -98,22 +105,19 @@ def draw(fits: dict[str, dict[str, tuple[float, float]]]) -> None:
         ax.set_ylim(len(fits) - 0.5, -0.5)
         drawing.name_axes(ax, key, "lead of the tests" if key == "m_T" else "", "")
     drawing.legend_below(figure, axes[0].get_legend_handles_labels()[0])
-    figure.savefig(PAGE, dpi=150)
-    plt.close(figure)
+    return figure
 
 
 def main() -> None:
-    """Print both tables as Markdown, and draw the figure."""
+    """Print both tables as Markdown."""
     forms = {"lead_K": ".1f", "rubber_over_hdr": ".2f", "force_kN": ".0f", "h_eq": ".3f"}
-    for name in (PRINTED, *(f"shen-lhdr-{one}" for one in ALTERNATIVES)):
-        found = measures(name)
-        cells = [", ".join(f"{value:{form}}" for value in found[c]) for c, form in forms.items()]
+    for name in (PRINTED, *(f"shen-lhdr-{alternative}" for alternative in ALTERNATIVES)):
+        measured = measures(name)
+        cells = [", ".join(f"{value:{form}}" for value in measured[c]) for c, form in forms.items()]
         print(f"| `{name}` | {' | '.join(cells)} |")
-    fits = {what: fit_of(change) for what, change in TRUTHS.items()}
-    for what, one in fits.items():
-        pairs = (f"{one[key][0]:.2f} ± {one[key][1]:.2f}" for key in ("m_T", "n_T"))
-        print(f"| {what} | {' | '.join(pairs)} |")
-    draw(fits)
+    for lead, fit in fitted().items():
+        pairs = (f"{fit[key][0]:.2f} ± {fit[key][1]:.2f}" for key in ("m_T", "n_T"))
+        print(f"| {lead} | {' | '.join(pairs)} |")
 
 
 if __name__ == "__main__":

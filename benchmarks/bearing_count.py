@@ -17,25 +17,25 @@ MARKS = {True: " (yes)", False: " (**no**)"}
 
 def table(motion: Any = None) -> str:
     """Ours for each number of bearings, and the source's."""
-    found = {count: evidence(count, motion) for count in (*COUNTS, *OTHERS)}
+    results = {count: evidence(count, motion) for count in (*COUNTS, *OTHERS)}
     heads = ["", *(f"{count} bearings" for count in COUNTS), "source"]
     lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
     for criterion in (*HARD, *SOFT):
         name = f"**{criterion.what}**" if criterion.hard else criterion.what
         cells = [
-            criterion.numbers(found[count]) + MARKS[criterion.holds(found[count])]
+            criterion.numbers(results[count]) + MARKS[criterion.holds(results[count])]
             for count in COUNTS
         ]
         lines.append("| " + " | ".join([name, *cells, criterion.source]) + " |")
     for label, criteria in (("printed numbers and limits (bold)", HARD), ("trends", SOFT)):
-        cells = [f"{score(criteria, found[count])} of {len(criteria)}" for count in COUNTS]
+        cells = [f"{score(criteria, results[count])} of {len(criteria)}" for count in COUNTS]
         lines.append("| " + " | ".join([f"agree: {label}", *cells, ""]) + " |")
-    others = "; ".join(
-        f"{count} bearing{'s' * (count > 1)}: {score(HARD, found[count])} of {len(HARD)}, "
-        f"{score(SOFT, found[count])} of {len(SOFT)}"
+    other_counts = "; ".join(
+        f"{count} bearing{'s' * (count > 1)}: {score(HARD, results[count])} of {len(HARD)}, "
+        f"{score(SOFT, results[count])} of {len(SOFT)}"
         for count in OTHERS
     )
-    return "\n".join([*lines, "", f"The same of {others}."])
+    return "\n".join([*lines, "", f"The same of {other_counts}."])
 
 
 def main() -> None:
@@ -43,8 +43,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bearing_count", description=__doc__)
     parser.add_argument("--motion", help="name or file, instead of the default")
     parser.add_argument("--factor", type=float, default=1.0)
-    given = parser.parse_args()
-    motion = {"name": given.motion, "factor": given.factor} if given.motion else None
+    arguments = parser.parse_args()
+    motion = {"name": arguments.motion, "factor": arguments.factor} if arguments.motion else None
     print(table(motion))
 
 

@@ -28,16 +28,20 @@ def rows() -> list[Row]:
     """One process with an empty folder for compiled code, the numbers of lines in turn."""
     with tempfile.TemporaryDirectory() as name:
         command = [
-            *("env", f"NUMBA_CACHE_DIR={name}"),
-            *(sys.executable, "-c", CODE, json.dumps(COUNTS)),
+            "env",
+            f"NUMBA_CACHE_DIR={name}",
+            sys.executable,
+            "-c",
+            CODE,
+            json.dumps(COUNTS),
         ]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
+        process = subprocess.run(command, capture_output=True, text=True, check=False)
+    if process.returncode:
+        reason = (process.stderr.strip().splitlines() or ["no message"])[-1]
         return [failed(FIRST, reason, f"<= {LIMIT:g} s")]
-    first, *others = json.loads(done.stdout.splitlines()[-1])
-    more = zip(COUNTS[1:], others, strict=True)
+    first, *later = json.loads(process.stdout.splitlines()[-1])
+    later_by_count = zip(COUNTS[1:], later, strict=True)
     return [
         plain(FIRST, first, "s", "processor"),
-        *(at_most(f"the next with {n} lines", taken, LIMIT, "s") for n, taken in more),
+        *(at_most(f"the next with {n} lines", taken, LIMIT, "s") for n, taken in later_by_count),
     ]

@@ -1,10 +1,11 @@
 """The cold town of docs/cold_town.md: its two studies, tables and figures.
 
-`python -m benchmarks.cold_town DIR [FIGURES]` carries out what is missing of the studies in DIR
-(5800 runs; minutes), prints the tables of the page, and draws into the folder FIGURES.
+`python -m benchmarks.cold_town` carries out the studies (5800 runs; minutes) and prints the tables
+of the page; `python -m docs.generate` draws its figures too.
 """
 
-import sys
+import tempfile
+from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -57,10 +58,10 @@ class Limit(NamedTuple):
 
     def rows(self, table: pd.DataFrame, bearing: str) -> pd.DataFrame:
         """Runs of a bearing; those whose pier went beyond its limits have the bearing's strain."""
-        mine = table[table["bearing"] == bearing].reset_index(drop=True)
+        runs = table[table["bearing"] == bearing].reset_index(drop=True)
         if self.demand.startswith("bearing_"):
-            mine = mine.replace({OUTCOME: {PIER_BEYOND_LIMIT: COMPLETED}})
-        return mine
+            runs = runs.replace({OUTCOME: {PIER_BEYOND_LIMIT: COMPLETED}})
+        return runs
 
 
 # A bearing that tears has gone beyond 250 %; of the pier below it nothing is known.
@@ -89,16 +90,16 @@ class Answer(NamedTuple):
 
 def tables(folder: Path) -> dict[str, pd.DataFrame]:
     """Runs of both studies; those that are missing are done."""
-    found = {}
+    runs = {}
     for name, study in STUDIES.items():
         run_study(load_study(study), folder / name)
-        found[name] = Store(folder / name).table()
-    return found
+        runs[name] = Store(folder / name).table()
+    return runs
 
 
 def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple[str, str], Answer]:
     """By bearing and limit."""
-    found = {}
+    by_bearing = {}
     for bearing in BEARINGS:
         for limit in LIMITS:
             wanted = (limit.demand, limit.capacity, INTENSITY)
@@ -110,11 +111,13 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
                 failed=limit.failed,
             )
             shares = shares_of_time(list(curves), warmth[bearing])
-            found[bearing, limit.label] = Answer(curves, combine_curves(curves, shares), shares)
-    return found
+            by_bearing[bearing, limit.label] = Answer(
+                curves, combine_curves(curves, shares), shares
+            )
+    return by_bearing
 
 
-def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
+def rates_table(results: dict[tuple[str, str], Answer]) -> list[str]:
     """How often a year, and how much ignoring the temperature misses."""
     rows = [
         "| once in ... years | 23 degC throughout | over the climate | -20 degC throughout | "
@@ -123,13 +126,13 @@ def rates_table(found: dict[tuple[str, str], Answer]) -> list[str]:
     ]
     for limit in LIMITS:
         for bearing, label in BEARINGS.items():
-            answer = found[bearing, limit.label]
+            answer = results[bearing, limit.label]
             rates = answer.rates()
             cells = [_years(rates[name]) for name in ("23 degC", "climate", "-20 degC")]
             times = ratio(rates["climate"], rates["23 degC"])
             high = f"to {times[2]:.2f}" if np.isfinite(times[2]) else "or more"
-            said = f"{times[0]:.2f} ({times[1]:.2f} {high})"
-            rows.append(f"| {limit.label}, {label} | {' | '.join(cells)} | {said} |")
+            times_text = f"{times[0]:.2f} ({times[1]:.2f} {high})"
+            rows.append(f"| {limit.label}, {label} | {' | '.join(cells)} | {times_text} |")
     return rows
 
 
@@ -141,19 +144,19 @@ def _years(rate: Rate) -> str:
     return f"{rate.return_period:.0f} ({1.0 / rate.high:.0f}{last})"
 
 
-def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
+def parts_table(results: dict[tuple[str, str], Answer]) -> list[str]:
     """What each temperature adds to the rate at which the pier yields."""
     parts = {}
     for name in LAYERED:
-        curves, _, share = found[name, LIMITS[0].label]
+        curves, _, share = results[name, LIMITS[0].label]
         rates = np.array([annual_rate(curve, SITE).rate for curve in curves.values()])
         added = np.where(share > 0.0, share * rates, 0.0)
         parts[name] = {"share": share, "part": added / added.sum()}
-    what = {"share": "share of the time", "part": "share of the times that the pier yields"}
-    columns = [(key, name) for key in what for name in LAYERED]
-    heads = " | ".join(f"{what[key]}, {BEARINGS[name]}" for key, name in columns)
+    shares_text = {"share": "share of the time", "part": "share of the times that the pier yields"}
+    columns = [(key, name) for key in shares_text for name in LAYERED]
+    heads = " | ".join(f"{shares_text[key]}, {BEARINGS[name]}" for key, name in columns)
     rows = [f"| temperature of the rubber | {heads} |", "|---" * (1 + len(columns)) + "|"]
-    for k, degrees in enumerate(found[LAYERED[0], LIMITS[0].label].curves):
+    for k, degrees in enumerate(results[LAYERED[0], LIMITS[0].label].curves):
         shares = " | ".join(f"{100 * parts[name][key][k]:.1f} %" for key, name in columns)
         rows.append(f"| {degrees:g} degC | {shares} |")
     return rows
@@ -161,9 +164,9 @@ def parts_table(found: dict[tuple[str, str], Answer]) -> list[str]:
 
 def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
     """Share of the runs that go beyond, at each intensity."""
-    mine = counted(limit.rows(table, bearing), limit.demand, limit.failed)
-    beyond = pd.Series(mine.demand > limit.capacity)
-    return beyond.groupby(mine.table[INTENSITY].to_numpy()).mean()
+    demands = counted(limit.rows(table, bearing), limit.demand, limit.failed)
+    beyond = pd.Series(demands.demand > limit.capacity)
+    return beyond.groupby(demands.table[INTENSITY].to_numpy()).mean()
 
 
 def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[str]:
@@ -177,13 +180,13 @@ def hours_table(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> list[s
         for bearing, label in BEARINGS.items():
             drawn = shares_beyond(runs["hours"], bearing, limit)
             levels = runs["levels"].groupby("ambient_degC")
-            each = [shares_beyond(part, bearing, limit).mean() for _, part in levels]
+            level_shares = [shares_beyond(part, bearing, limit).mean() for _, part in levels]
             shares = shares_of_time(list(levels.groups), warmth[bearing])
             count = (runs["hours"]["bearing"] == bearing).sum() / len(drawn)
             chance = np.sqrt((drawn * (1.0 - drawn)).sum() / count) / len(drawn)
             rows.append(
                 f"| {limit.label}, {label} | {100 * drawn.mean():.1f} % | "
-                f"{100 * float(np.dot(shares, each)):.1f} % | {100 * chance:.1f} % |"
+                f"{100 * float(np.dot(shares, level_shares)):.1f} % | {100 * chance:.1f} % |"
             )
     return rows
 
@@ -193,8 +196,10 @@ def failed_line(runs: dict[str, pd.DataFrame]) -> str:
     sentences = []
     for name, table in runs.items():
         counts = table["outcome"].value_counts().drop("completed", errors="ignore")
-        said = ", ".join(f"{count} {outcome}" for outcome, count in counts.items()) or "none"
-        sentences.append(f"{STUDIES[name]}: {counts.sum()} of {len(table)} runs failed ({said})")
+        outcomes = ", ".join(f"{count} {outcome}" for outcome, count in counts.items()) or "none"
+        sentences.append(
+            f"{STUDIES[name]}: {counts.sum()} of {len(table)} runs failed ({outcomes})"
+        )
     return "; ".join(sentences)
 
 
@@ -225,14 +230,14 @@ def draw_weather(weather: Hourly, warmth: pd.DataFrame) -> Figure:
     return figure
 
 
-def draw_fragility(found: dict[tuple[str, str], Answer], runs: dict[str, pd.DataFrame]) -> Figure:
+def draw_fragility(results: dict[tuple[str, str], Answer], runs: dict[str, pd.DataFrame]) -> Figure:
     """Fragility of both layered bearings: pier above, bearing below."""
     figure, axes = drawing.panels(2, 2, (7.1, 5.6), "fragility at each temperature")
     at = np.linspace(2.0, 22.0, 200)
     for ax, (limit, bearing) in zip(
         axes, [(limit, name) for limit in LIMITS for name in LAYERED], strict=True
     ):
-        answer = found[bearing, limit.label]
+        answer = results[bearing, limit.label]
         temperatures = list(answer.curves)
         for temperature in temperatures:
             colour = drawing.COLD_TO_WARM((temperature + 30.0) / 60.0)
@@ -249,17 +254,18 @@ def draw_fragility(found: dict[tuple[str, str], Answer], runs: dict[str, pd.Data
     return figure
 
 
-def draw_rates(found: dict[tuple[str, str], Answer]) -> Figure:
+def draw_rates(results: dict[tuple[str, str], Answer]) -> Figure:
     """Annual rates by what the temperature is taken to be."""
     figure, axes = drawing.panels(1, 2, (7.1, 3.1), "how often a year")
+    cold, warm = drawing.ambient_colours(np.array([COLD, WARM]))
     looks = (
-        ("23 degC", "#EE7733", "23 degC throughout"),
-        ("climate", "#1a1a1a", "over the climate"),
-        ("-20 degC", "#0077BB", "-20 degC throughout"),
+        ("23 degC", warm, "23 degC throughout"),
+        ("climate", drawing.INK, "over the climate"),
+        ("-20 degC", cold, "-20 degC throughout"),
     )
     for ax, limit in zip(axes, LIMITS, strict=True):
         for k, (name, colour, label) in enumerate(looks):
-            rates = [found[bearing, limit.label].rates()[name] for bearing in BEARINGS]
+            rates = [results[bearing, limit.label].rates()[name] for bearing in BEARINGS]
             x = np.arange(len(rates)) + 0.26 * (k - 1)
             values = 1e3 * np.array([rate.rate for rate in rates])
             low, high = (
@@ -275,28 +281,29 @@ def draw_rates(found: dict[tuple[str, str], Answer]) -> Figure:
     return figure
 
 
-def main() -> None:
-    """Carry out, print, draw."""
-    if len(sys.argv) not in (2, 3):
-        sys.exit("usage: python -m benchmarks.cold_town DIR [FIGURES]")
-    runs = tables(Path(sys.argv[1]))
+@cache
+def carry_out() -> tuple[str, dict[str, Figure]]:
+    """Carry out both studies (minutes); return the tables of the page and its figures."""
+    with tempfile.TemporaryDirectory() as folder:
+        runs = tables(Path(folder))
     weather = generate_weather("cold-town", years=50, seed=1)
     frames = {name: bearing_weather(name, weather) for name in LAYERED}
     warmth = {name: frame["rubber_degC"] for name, frame in frames.items()}
     warmth[next(iter(BEARINGS))] = weather.temperature
-    found = answers(runs, warmth)
-    parts = (rates_table(found), parts_table(found), hours_table(runs, warmth))
-    print("\n\n".join("\n".join(part) for part in parts), "", failed_line(runs), sep="\n")
-    if len(sys.argv) == 3:
-        folder = Path(sys.argv[2])
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, figure in (
-            ("weather", draw_weather(weather, frames[LAYERED[1]])),
-            ("fragility", draw_fragility(found, runs)),
-            ("rates", draw_rates(found)),
-        ):
-            drawing.save_figure(figure, folder / f"cold_town_{name}.png", dpi=110)
+    results = answers(runs, warmth)
+    parts = (rates_table(results), parts_table(results), hours_table(runs, warmth))
+    text = "\n\n".join(["\n".join(part) for part in parts] + [failed_line(runs)])
+    return text, {
+        "cold_town_weather": draw_weather(weather, frames[LAYERED[1]]),
+        "cold_town_fragility": draw_fragility(results, runs),
+        "cold_town_rates": draw_rates(results),
+    }
+
+
+def draw() -> dict[str, Figure]:
+    """Return the figures of the page."""
+    return carry_out()[1]
 
 
 if __name__ == "__main__":
-    main()
+    print(carry_out()[0])

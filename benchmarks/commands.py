@@ -33,7 +33,7 @@ def processor_of_children() -> float:
 def run_python(code: str, arguments: Sequence[str] = (), **environment: str) -> Elapsed:
     """Time that a fresh Python needs for some code; CommandError with its last words."""
     begin, before = time.perf_counter(), processor_of_children()
-    done = subprocess.run(
+    process = subprocess.run(
         [sys.executable, "-c", code, *arguments],
         env={**os.environ, **environment},
         capture_output=True,
@@ -41,7 +41,7 @@ def run_python(code: str, arguments: Sequence[str] = (), **environment: str) -> 
         check=False,
     )
     elapsed = Elapsed(time.perf_counter() - begin, processor_of_children() - before)
-    if done.returncode:
-        words = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()
-        raise CommandError(f"exit status {done.returncode}: {words[-1]}")
+    if process.returncode:
+        words = (process.stderr.strip() or process.stdout.strip() or "no message").splitlines()
+        raise CommandError(f"exit status {process.returncode}: {words[-1]}")
     return elapsed

@@ -28,16 +28,16 @@ def marching(name: str, x: Floats) -> Callable[[], float]:
     components = x.ndim
     constants = build_model(tb.load_bearing(name)).constants
     cold = np.full(len(constants.cells.capacity), -20.0)
-    rest = (np.full(len(x), 0.02), np.full(len(x), -20.0), np.zeros(len(x), dtype=bool), 0.0)
-    path, room = Path(x, *rest), room_for(constants, 1, (), components)
+    columns = (np.full(len(x), 0.02), np.full(len(x), -20.0), np.zeros(len(x), dtype=bool), 0.0)
+    path, room = Path(x, *columns), room_for(constants, 1, (), components)
     work = new_workspace(constants, components)
     run = march if components == 1 else march_plane
 
     def seconds() -> float:
         start, spare = (new_state(constants, cold, None, components) for _ in range(2))
         began = time.perf_counter()
-        done, *_ = run(constants, work, start, spare, path, room)
-        assert done == len(x)
+        steps, *_ = run(constants, work, start, spare, path, room)
+        assert steps == len(x)
         return time.perf_counter() - began
 
     return seconds
@@ -52,30 +52,32 @@ def plane_rows() -> list[Row]:
         "circle": np.stack([sine, 45.0 * np.cos(angle) * np.minimum(1.0, angle / 3.0)], axis=1),
         "eight": np.stack([sine, eight], axis=1),
     }
-    found = []
+    measured = []
     for name in ("shen-hdr-specimen", LEAD):
         runs = {key: marching(name, x) for key, x in paths.items()}
         times = [{key: run() for key, run in runs.items()} for _ in range(PLANE_REPEATS)]
-        best = {key: min(one[key] for one in times) for key in paths}
+        best = {key: min(round_times[key] for round_times in times) for key in paths}
         for key in ("circle", "eight"):
             note = f"{1e6 * best[key] / STEPS:.3f} us"
-            what = f"coupled step in a plane, {key}, {name}, over one on a line"
-            found.append(at_most(what, best[key] / best["line"], PLANE_LIMIT, "", note))
-    return found
+            label = f"coupled step in a plane, {key}, {name}, over one on a line"
+            measured.append(at_most(label, best[key] / best["line"], PLANE_LIMIT, "", note))
+    return measured
 
 
 def rows() -> list[Row]:
     """One row per ambient temperature; the fastest of many runs counts, the median is noted."""
-    found = []
+    measured = []
     for ambient in AMBIENTS:
         fastest, median = step_microseconds(ambient, repeats=30)
-        what = f"coupled step, 19 cells, 3 layers, Table 3.4 at {ambient:g} degC"
-        found.append(at_most(what, fastest, LIMIT, "us", f"median {median:.3f} us"))
+        label = f"coupled step, 19 cells, 3 layers, Table 3.4 at {ambient:g} degC"
+        measured.append(at_most(label, fastest, LIMIT, "us", f"median {median:.3f} us"))
     for ambient in AMBIENTS:
         fastest, median = step_microseconds(ambient, 15, LEAD, "finite-plate")
-        what = f"coupled step with lead, 29 cells, 3 layers and core, Table 3.4 at {ambient:g} degC"
-        found.append(at_most(what, fastest, LEAD_LIMIT, "us", f"median {median:.3f} us"))
+        label = (
+            f"coupled step with lead, 29 cells, 3 layers and core, Table 3.4 at {ambient:g} degC"
+        )
+        measured.append(at_most(label, fastest, LEAD_LIMIT, "us", f"median {median:.3f} us"))
     fastest, median = step_microseconds(-20.0, repeats=15, name=LEAD)
-    what = "the same on a half-space, at -20 degC"
-    found.append(at_most(what, fastest, LEAD_LIMIT, "us", f"median {median:.3f} us"))
-    return [*found, *plane_rows()]
+    label = "the same on a half-space, at -20 degC"
+    measured.append(at_most(label, fastest, LEAD_LIMIT, "us", f"median {median:.3f} us"))
+    return [*measured, *plane_rows()]

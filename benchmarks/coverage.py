@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 import thermobearing as tb
-from benchmarks.identification import AMBIENTS, NAMES, held, true_value
+from benchmarks.identification import AMBIENTS, NAMES, intervals_cover_truth, true_value
 from benchmarks.rows import Row
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import SHAPE, default_free, with_values
@@ -34,24 +34,25 @@ def calibrated(kind: str, kelvin: float, seed: int) -> tuple[Identification, tb.
     wave = "sine" if bearing.lead else "triangular"
     test = tb.cyclic_test(strain=[0.5, 1.0, 1.5], cycles=5, rest=600.0, wave=wave)
     rng = np.random.default_rng(1000 + seed)
-    near = {
+    values = {
         key: true_value(bearing, key) * rng.uniform(0.97 if key == SHAPE else 0.92, 1.03)
         for key in default_free(bearing, AMBIENTS)
     }
-    truth, records = with_values(bearing, near), []
-    for i, at in enumerate(AMBIENTS):
-        off = kelvin * float(rng.choice([-1.0, 1.0]))
+    truth, records = with_values(bearing, values), []
+    for i, ambient in enumerate(AMBIENTS):
+        offset = kelvin * float(rng.choice([-1.0, 1.0]))
         noise = float(rng.uniform(0.005, 0.01))
         record = synthetic_record(
-            truth, at + off, test, noise=noise, jitter=0.02, seed=10 * seed + i
+            truth, ambient + offset, test, noise=noise, jitter=0.02, seed=10 * seed + i
         )
+        # Offsets of the transducers, which a calibration has to tolerate.
         zero = rng.uniform(-0.01, 0.01) * record.peak_force
         x = record.displacement + rng.uniform(-0.3, 0.3)
-        records.append(replace(record, ambient=at, force=record.force + zero, displacement=x))
+        records.append(replace(record, ambient=ambient, force=record.force + zero, displacement=x))
     return identify_bearing(records, bearing, starts=1), truth
 
 
-def predictions_held(
+def bands_cover_truth(
     identification: Identification, truth: tb.Bearing, seed: int
 ) -> dict[str, bool]:
     """Whether the band of each prediction holds its truth."""
@@ -75,25 +76,25 @@ def predictions_held(
     return inside
 
 
-def cell(kind: str, kelvin: float, fits: int) -> list[Row]:
+def coverage_rows(kind: str, kelvin: float, fits: int) -> list[Row]:
     """Coverage of one bearing and one error of the ambient temperatures."""
     counts: dict[str, list[bool]] = {}
     for seed in range(fits):
         identification, truth = calibrated(kind, kelvin, seed)
-        counts.setdefault("parameters", []).extend(held(identification, truth))
-        for name, inside in predictions_held(identification, truth, seed).items():
+        counts.setdefault("parameters", []).extend(intervals_cover_truth(identification, truth))
+        for name, inside in bands_cover_truth(identification, truth, seed).items():
             counts.setdefault(name, []).append(inside)
-    what = f"{kind}, ambient temperatures off by {kelvin:g} K, {fits} fits"
+    label = f"{kind}, ambient temperatures off by {kelvin:g} K, {fits} fits"
     target = f"{LEAST:g} to {MOST:g} %"
     rows = []
     for name, inside in counts.items():
         share = 100.0 * float(np.mean(inside))
         note = f"{sum(inside)} of {len(inside)}"
         met = None if fits < FITS else LEAST <= share <= MOST
-        rows.append(Row(f"{what}: {name}", share, "%", target, met, note))
+        rows.append(Row(f"{label}: {name}", share, "%", target, met, note))
     return rows
 
 
 def rows(fits: int = FITS) -> list[Row]:
     """All bearings and errors; some 80 minutes of CPU time with 60 fits each."""
-    return [row for kind in NAMES for kelvin in ERRORS for row in cell(kind, kelvin, fits)]
+    return [row for kind in NAMES for kelvin in ERRORS for row in coverage_rows(kind, kelvin, fits)]

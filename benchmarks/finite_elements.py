@@ -10,16 +10,18 @@ from tests.verification.test_fe_heat import AMBIENT, MODELS, finite_elements, lo
 def rows() -> list[Row]:
     """Time of each for five cycles of 250 % and two minutes of rest, LHDR specimen [ms]."""
     bearing = variant("LHDR")
-    found = []
+    measured = []
     for model, options in MODELS.items():
         times = []
         for _ in range(5):
             begin = time.process_time()
             tb.run(bearing, loading(bearing), ambient=AMBIENT, **options)
             times.append(time.process_time() - begin)
-        found.append(plain(f"LHDR, 250 %, {model}", 1e3 * min(times), "ms"))
+        measured.append(plain(f"LHDR, 250 %, {model}", 1e3 * min(times), "ms"))
     begin = time.process_time()
     finite_elements(bearing)
     elapsed = 1e3 * (time.process_time() - begin)
-    found.append(plain("the same heat by axisymmetric finite elements (heat only)", elapsed, "ms"))
-    return found
+    measured.append(
+        plain("the same heat by axisymmetric finite elements (heat only)", elapsed, "ms")
+    )
+    return measured

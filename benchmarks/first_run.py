@@ -119,12 +119,12 @@ def rows() -> list[Row]:
             "all kernels for this machine, `python -m kernels cache`": (kernels, 60.0),
         }
         measured = []
-        for number, (what, (run, limit)) in enumerate(commands.items()):
+        for number, (label, (run, limit)) in enumerate(commands.items()):
             try:
                 spent = run(str(folder / f"compiled{number}")).processor
-                measured.append(at_most(what, spent, limit, "s"))
+                measured.append(at_most(label, spent, limit, "s"))
             except CommandError as error:
-                measured.append(failed(what, str(error), f"<= {limit:g} s"))
+                measured.append(failed(label, str(error), f"<= {limit:g} s"))
         if measured[0].value is None:
             return measured
         compiled = folder / "compiled0"

@@ -23,8 +23,10 @@ def integrated(z: float, increment: float, s: float) -> float:
         )
 
     # Short steps: the equation has a kink at Z = 0, where a long one would lose its accuracy.
-    found = solve_ivp(rate, (0.0, 1.0), [z], method="DOP853", rtol=1e-13, atol=1e-15, max_step=0.01)
-    return float(found.y[0, -1])
+    solution = solve_ivp(
+        rate, (0.0, 1.0), [z], method="DOP853", rtol=1e-13, atol=1e-15, max_step=0.01
+    )
+    return float(solution.y[0, -1])
 
 
 def rows() -> list[Row]:
@@ -36,11 +38,11 @@ def rows() -> list[Row]:
     for z, increment in zip(
         rng.uniform(-1.0, 1.0, SAMPLES), rng.uniform(-LARGEST, LARGEST, SAMPLES), strict=True
     ):
-        other = integrated(z, increment, s)
-        exact = max(exact, abs(exact_increment(z, increment, 1.0, curvature)[0] - other))
+        expected = integrated(z, increment, s)
+        exact = max(exact, abs(exact_increment(z, increment, 1.0, curvature)[0] - expected))
         small = 0.01 * increment  # explicit Euler is meant for small increments
-        other = integrated(z, small, s)
-        euler = max(euler, abs(euler_increment(z, small, 1.0, curvature)[0] - other))
+        expected = integrated(z, small, s)
+        euler = max(euler, abs(euler_increment(z, small, 1.0, curvature)[0] - expected))
     return [
         at_most(f"exact increment up to {LARGEST:g} d_y against DOP853", exact, LIMIT, "d_y"),
         plain(f"Euler increment up to {0.01 * LARGEST:g} d_y against DOP853", euler, "d_y"),

@@ -61,13 +61,13 @@ def misfit(bearing: Bearing, rubber: DesignRubber) -> Floats:
 
 def fitted(rubber: DesignRubber) -> Bearing:
     """The bearing whose rubber meets the curves best."""
-    found: Any = least_squares(
+    result: Any = least_squares(
         lambda numbers: misfit(bearing_of_numbers(numbers), rubber).ravel(),
         START,
         bounds=(LOWEST, HIGHEST),
         diff_step=1e-3,
     )
-    return bearing_of_numbers(found.x)
+    return bearing_of_numbers(result.x)
 
 
 def main() -> None:
@@ -77,12 +77,12 @@ def main() -> None:
             rubber = load_rubber(name, kind)
             bearing = fitted(rubber)
             h, numbers = bearing.hysteresis, extract_compound(bearing).rubber
-            off = np.abs(misfit(bearing, rubber)).max(axis=0)
+            errors = np.abs(misfit(bearing, rubber)).max(axis=0)
             print(
                 f"{kind} {name}: shear_modulus {numbers.shear_modulus:.4g} "
                 f"MPa, post_yield_ratio {h.post_yield_ratio:.4g}, yield_strain "
                 f"{numbers.yield_strain:.4g}, hardening {h.hardening:.4g}; G_e within "
-                f"{off[0]:.1%}, h_B within {off[1]:.1%}",
+                f"{errors[0]:.1%}, h_B within {errors[1]:.1%}",
                 flush=True,
             )
 

@@ -35,9 +35,9 @@ def main() -> None:
     """One line for each bearing."""
     rng = np.random.default_rng(SEED)
     for _ in range(DRAWN):
-        what, case = drawn(rng)
+        label, case = drawn(rng)
         (ours, rise), (formula, _) = errors(case), errors(case, lead_ends="half-space")
-        print(f"{what}: half-space {formula:+.1f}, finite plates {ours:+.1f} of {rise:.0f} K")
+        print(f"{label}: half-space {formula:+.1f}, finite plates {ours:+.1f} of {rise:.0f} K")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ INTERFACE = 9  # cell of the end plate at 48 mm, next to the sealing plate
 STEP = 0.1  # of the finite elements [s]
 WAYS: dict[str, tuple[str, dict[str, Any]]] = {
     "default": ("LHDR", {}),
-    "as printed": ("LHDR", {"scheme": "published"}),
+    "as printed": ("LHDR", {"model": tb.ModelOptions(scheme="published")}),
     "touching the shims": ("LHDR unconfined", {}),
 }
 FIELDS = {"default": "LHDR", "touching the shims": "LHDR unconfined"}  # by finite elements
@@ -34,22 +34,22 @@ POINTS = {
 }
 
 
-def rises(way: str) -> tuple[Floats, float]:
+def rises(case: str) -> tuple[Floats, float]:
     """Of the lead at the times, and of the steel at 48 mm at the end of the loading [K]."""
-    name, options = WAYS[way]
+    name, options = WAYS[case]
     bearing = variant(name)
     result = tb.run(bearing, loading(bearing), ambient=AMBIENT, **options)
     time, lead = result.time(0), result["lead_temperature"].values[0]
     steel = result["temperature"].values[0][:, INTERFACE]
-    found = np.interp(TIMES, time, lead) - AMBIENT
-    return found, float(np.interp(END, time, steel)) - AMBIENT
+    rise = np.interp(TIMES, time, lead) - AMBIENT
+    return rise, float(np.interp(END, time, steel)) - AMBIENT
 
 
-def elements(way: str) -> tuple[Floats, dict[str, float]]:
+def elements(case: str) -> tuple[Floats, dict[str, float]]:
     """The lead's mean at the times, and the points at the end of the loading [K]."""
     from tests.reference.fe_heat import FiniteElements, bearing_problem, released
 
-    bearing = variant(FIELDS[way])
+    bearing = variant(FIELDS[case])
     keep = ("rubber", "layer_displacement", "cells")
     result = tb.run(bearing, loading(bearing), ambient=AMBIENT, keep=keep)
     heat, problem = released(bearing, result), FiniteElements(bearing_problem(bearing))
@@ -63,23 +63,23 @@ def elements(way: str) -> tuple[Floats, dict[str, float]]:
 
 def tables() -> str:
     """Both tables."""
-    ours = {way: rises(way) for way in WAYS}
-    fields = {way: elements(way) for way in FIELDS}
-    columns = {way: found for way, (found, _) in ours.items()}
-    columns |= {f"{way}, finite elements": found for way, (found, _) in fields.items()}
+    ours = {case: rises(case) for case in WAYS}
+    fields = {case: elements(case) for case in FIELDS}
+    columns = {case: lead for case, (lead, _) in ours.items()}
+    columns |= {f"{case}, finite elements": lead for case, (lead, _) in fields.items()}
     order = sorted(columns, key=lambda name: list(WAYS).index(name.split(",")[0]))
     lines = ["| rise of the lead [K] after | " + " | ".join(order) + " |"]
     lines += ["|---" * (len(order) + 1) + "|"]
     for k, time in enumerate(TIMES):
         when = f"{time:g} s" + ("" if time <= END else f", {time - END:g} s of rest")
         lines += [f"| {when} | " + " | ".join(f"{columns[name][k]:.1f}" for name in order) + " |"]
-    steel = {way: f"{warm:.1f}" for way, (_, warm) in ours.items()}
+    steel = {case: f"{warm:.1f}" for case, (_, warm) in ours.items()}
     lines += ["", f"| rise at {END:g} s [K] | " + " | ".join(WAYS) + " |", "|---|---|---|---|"]
     lines += [
-        "| steel at 48 mm, mean of the plan | " + " | ".join(steel[way] for way in WAYS) + " |"
+        "| steel at 48 mm, mean of the plan | " + " | ".join(steel[case] for case in WAYS) + " |"
     ]
     for point in POINTS:
-        cells = [f"{fields[way][1][point]:.1f}" if way in fields else "" for way in WAYS]
+        cells = [f"{fields[case][1][point]:.1f}" if case in fields else "" for case in WAYS]
         lines += [f"| {point}, finite elements | " + " | ".join(cells) + " |"]
     return "\n".join(lines)
 

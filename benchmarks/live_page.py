@@ -40,9 +40,9 @@ def rows() -> list[Row]:
                 page.goto(f"{file.as_uri()}#{state}")
                 page.locator(f"#{table} td").first.wait_for()
                 first = float(page.evaluate("document.documentElement.dataset.firstLoop"))
-                rate, each = page.evaluate(MOVE, POSITIONS)
+                rate, redraws = page.evaluate(MOVE, POSITIONS)
                 page.close()
-                return rate, [first, *each]
+                return rate, [first, *redraws]
 
             tests = [opened("view=test", "cycles") for _ in range(OPENINGS)]
             bridge = opened("view=bridge&base=shen-lhdr-bridge", "peaks")[1][1:]

@@ -34,8 +34,8 @@ def constants_of(name: str, stiffer: float) -> Constants:
     """A library bearing with another stiffness of its rubber, half stack."""
     bearing = tb.load_bearing(name)
     hysteresis = bearing.hysteresis
-    more = {"layer_stiffness": stiffer * hysteresis.layer_stiffness}
-    bearing = bearing.model_copy(update={"hysteresis": hysteresis.model_copy(update=more)})
+    change = {"layer_stiffness": stiffer * hysteresis.layer_stiffness}
+    bearing = bearing.model_copy(update={"hysteresis": hysteresis.model_copy(update=change)})
     stack = build_stack(bearing, half=True)
     return build_constants(bearing, stack, upper=EndFace(eta=2.0), lower=None)
 
@@ -62,41 +62,42 @@ def seconds(function: Callable[[], object]) -> float:
 
 def each_alone(runs: list[tuple[Any, ...]]) -> None:
     """March after march."""
-    for one in runs:
-        march(*one)
+    for run in runs:
+        march(*run)
 
 
-def bearing_row(what: str, name: str) -> Row:
+def bearing_row(label: str, name: str) -> Row:
     """Many steps of one bearing, by turns alone and together, always from a virgin one."""
     best, ends = [np.inf, np.inf], aligned((3, WIDTH), np.float64)
     for _ in range(REPEATS):
+        # New states in each round: a march leaves them worn.
         alone, lanes = ([cycles(name, lane) for lane in range(WIDTH)] for _ in range(2))
-        together = side_by_side([(with_shared_cells(one[0]), *one[1:]) for one in lanes])
+        together = side_by_side([(with_shared_cells(run[0]), *run[1:]) for run in lanes])
         times = (
             seconds(partial(each_alone, alone)),
             seconds(partial(march_lanes, *together, ends)),
         )
         best = [min(pair) for pair in zip(best, times, strict=True)]
         if ends[0].any():
-            raise RuntimeError(f"{what}: outcomes {ends[0]}")
+            raise RuntimeError(f"{label}: outcomes {ends[0]}")
     slow, fast = best
     count = WIDTH * STEPS
     note = f"{1e9 * fast / count:.0f} ns a bearing-step, {1e9 * slow / count:.0f} alone"
-    return at_least(f"lockstep over one by one, {what}", slow / fast, RATIO, note=note)
+    return at_least(f"lockstep over one by one, {label}", slow / fast, RATIO, note=note)
 
 
 def shakes() -> list[Run]:
     """Pier P1 under one motion at other scales, with other bearings and temperatures."""
     prepared, acceleration = prepare_structure(load_structure(STRUCTURE)), ground()
     random = np.random.default_rng(1)
-    found = []
+    runs = []
     for _ in range(HISTORIES):
         constants = constants_of(BEARING, random.uniform(0.8, 1.2))
         air = AMBIENT + random.uniform(0.0, 40.0)
         line = Line(constants, np.full(len(constants.cells.capacity), air))
         shaken = random.uniform(0.5, 1.2) * acceleration
-        found.append(Run(prepared, [line], shaken, DT, air))
-    return found
+        runs.append(Run(prepared, [line], shaken, DT, air))
+    return runs
 
 
 def one_by_one(runs: list[Run]) -> list[RunPeaks]:
@@ -107,14 +108,14 @@ def one_by_one(runs: list[Run]) -> list[RunPeaks]:
 def structure_rows() -> list[Row]:
     """Forty seconds of pier P1, everything around the kernel included."""
     runs = shakes()
-    left = sum(one.alone for one in run_lanes(runs))
+    alone = sum(run.alone for run in run_lanes(runs))
     run_peaks(runs[0])
     best = [np.inf, np.inf]
     for _ in range(3):
-        for way, function in enumerate((one_by_one, run_lanes)):
-            best[way] = min(best[way], seconds(partial(function, runs)))
-    slow, fast = (1e3 * one / len(runs) for one in best)
-    note = f"{fast:.2f} ms a history, {slow:.2f} alone; {left} of {len(runs)} left the lockstep"
+        for place, function in enumerate((one_by_one, run_lanes)):
+            best[place] = min(best[place], seconds(partial(function, runs)))
+    slow, fast = (1e3 * run / len(runs) for run in best)
+    note = f"{fast:.2f} ms a history, {slow:.2f} alone; {alone} of {len(runs)} left the lockstep"
     minutes = fast * 1e5 / 1e3 / 60.0 / 2.0
     return [
         at_least("lockstep over one by one, pier P1, 8000 steps", slow / fast, RATIO, note=note),
@@ -124,5 +125,5 @@ def structure_rows() -> list[Row]:
 
 def rows() -> list[Row]:
     """Bearings, then a bridge."""
-    found = [bearing_row(what, name) for what, name in BEARINGS.items()]
-    return [*found, *structure_rows()]
+    measured = [bearing_row(label, name) for label, name in BEARINGS.items()]
+    return [*measured, *structure_rows()]

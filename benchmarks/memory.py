@@ -33,10 +33,10 @@ def rows() -> list[Row]:
     """Measure in a separate process, so that the other benchmarks do not count."""
     run_at(specimen_constants(), table_34(), 23.0)  # compiling needs memory too: not there
     command = [sys.executable, "-c", CODE]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    if process.returncode:
+        reason = (process.stderr.strip().splitlines() or ["no message"])[-1]
         return [failed(WHAT, reason, f"<= {LIMIT:g} MB")]
-    steps, before, kept, after = json.loads(done.stdout)
+    steps, before, kept, after = json.loads(process.stdout)
     note = f"{steps:,} steps; {before:.0f} MB after a short test, dataset of {kept:.0f} MB"
     return [at_most(WHAT, after, LIMIT, "MB", note)]

@@ -68,7 +68,7 @@ def motion_lines(motion: GroundMotion) -> dict[str, str]:
     quiet = motion
     if abs(motion.velocity[-1]) > 1.0:  # no record of ours ends so; one that was never corrected
         quiet = baseline_corrected(motion, high_pass=CORNER)
-    pulse, rest = fitted_pulse(quiet)
+    pulse, unexplained = fitted_pulse(quiet)
     measures, velocity = measure_motion(quiet), quiet.velocity
     peak, fastest = int(np.abs(motion.acceleration).argmax()), int(np.abs(velocity).argmax())
     growth = [significant_interval(motion, 0.0, share)[1] for share in SHARES]
@@ -84,27 +84,27 @@ def motion_lines(motion: GroundMotion) -> dict[str, str]:
             f"{pulse.amplitude / 10:.0f}; {pulse.period:.2f}; {pulse.cycles:.2f}; "
             f"{np.degrees(pulse.phase) % 360.0:.0f}; {pulse.time:.2f}"
         ),
-        "share of velocity squared that it explains": f"{1.0 - rest:.2f}",
+        "share of velocity squared that it explains": f"{1.0 - unexplained:.2f}",
         "misfit to the spectrum, 0.1-3 s": f"{100.0 * error:.1f} %",
     }
 
 
 def hybrid_lines(motion: str | dict[str, object]) -> dict[str, str]:
     """The default hybrid tests at 23, 0, -20 degC, and what the source says of them."""
-    both = tb.hybrid(
+    result = tb.hybrid(
         [HDR, LHDR], motion, AMBIENT, structure=PIER, laboratory={"mode": ["rt", "pd"]}
     )
-    table = both.table
+    table = result.table
 
     def of(bearing: str, mode: str, column: str) -> Floats:
         rows = table[(table["bearing"] == bearing) & (table["mode"] == mode)]
         rows = rows.sort_values("ambient_degC", ascending=False)
         return np.asarray(rows[column], dtype=float)
 
-    found = {"first layer, LHDR, -20 degC, at 5, 10, 15, 20 s, degC": first_layer(motion)}
+    lines = {"first layer, LHDR, -20 degC, at 5, 10, 15, 20 s, degC": first_layer(motion)}
     force, energy = "bearing_force_max_kN", "bearing_energy_kN_mm"
     for name, bearing in (("HDR", HDR), ("LHDR", LHDR)):
-        found |= {
+        lines |= {
             f"{name}: strain, rt": format_values(of(bearing, "rt", "bearing_strain_max"), "{:.2f}"),
             f"{name}: force, rt, kN": format_values(of(bearing, "rt", force), "{:.0f}"),
             f"{name}: force, rt/pd": format_values(
@@ -125,30 +125,30 @@ def hybrid_lines(motion: str | dict[str, object]) -> dict[str, str]:
         }
     ratio: Callable[[str], Floats] = lambda mode: of(LHDR, mode, energy) / of(HDR, mode, energy)  # noqa: E731
     for mode in ("rt", "pd"):
-        found[f"LHDR/HDR energy, {mode}"] = format_values(ratio(mode), "{:.2f}")
-    return found
+        lines[f"LHDR/HDR energy, {mode}"] = format_values(ratio(mode), "{:.2f}")
+    return lines
 
 
 def first_layer(motion: str | dict[str, object]) -> str:
     """Of the LHDR at -20 degC in real time."""
     result = tb.hybrid(LHDR, motion, -20.0, structure=PIER)
     time, outer = result["time"].values[0], result["rubber_temperature"].values[0, :, 0]
-    known = np.isfinite(time)
-    return format_values(np.interp(MOMENTS, time[known], outer[known]), "{:.1f}")
+    recorded = np.isfinite(time)
+    return format_values(np.interp(MOMENTS, time[recorded], outer[recorded]), "{:.1f}")
 
 
 def search() -> None:
     """Print the first stream whose motion peaks where the accelerogram does."""
-    own = _near_fault()[NAME]
+    wanted = _near_fault()[NAME]
     for number in count():
         fit = matched(
-            _phases("II", "II", 1, number - own.stream[-1], 0.01),
+            _phases("II", "II", 1, number - wanted.stream[-1], 0.01),
             0.01,
             lambda periods: standard_spectrum("II", "II", periods),
         )
         peak = float(np.abs(fit.acceleration).argmax()) * 0.01
-        if abs(peak - own.peak_time) <= NEAR:
-            print(f"stream {[*own.stream[:-1], number]}: peak at {peak:.2f} s")
+        if abs(peak - wanted.peak_time) <= NEAR:
+            print(f"stream {[*wanted.stream[:-1], number]}: peak at {peak:.2f} s")
             return
 
 

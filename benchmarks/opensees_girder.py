@@ -6,11 +6,11 @@ a process for each temperature. Here it is the structure "five-span-girder", who
 and whose piers are rigid on rotational springs; in OpenSees they can be so too. The ground moves
 along the bridge.
 
-`python -m benchmarks.opensees_girder OUT.png`
+`python -m benchmarks.opensees_girder` prints the table.
 """
 
-import sys
 from contextlib import ExitStack
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -121,11 +121,11 @@ def build(served: dict[str, tb.opensees.Line], *, rigid: bool = False) -> dict[s
 
 def cut(begin: float, length: float) -> tb.GroundMotion:
     """Return a part of the motion [s], which grows from zero over the first 0.2 s."""
-    whole = tb.load_motion(MOTION)
-    first, last = round(begin / whole.dt), round((begin + length) / whole.dt)
-    part = whole.acceleration[first : last + 1]
-    grown = part * np.minimum(1.0, np.arange(len(part)) * whole.dt / 0.2)
-    return tb.motion_from_arrays(grown, unit="mm/s2", dt=whole.dt, name=MOTION)
+    motion = tb.load_motion(MOTION)
+    first, last = round(begin / motion.dt), round((begin + length) / motion.dt)
+    part = motion.acceleration[first : last + 1]
+    grown = part * np.minimum(1.0, np.arange(len(part)) * motion.dt / 0.2)
+    return tb.motion_from_arrays(grown, unit="mm/s2", dt=motion.dt, name=MOTION)
 
 
 def shake(tops: dict[str, int], motion: tb.GroundMotion) -> dict[str, Floats]:
@@ -133,12 +133,12 @@ def shake(tops: dict[str, int], motion: tb.GroundMotion) -> dict[str, Floats]:
     ops.timeSeries("Path", 1, "-dt", motion.dt, "-values", *(motion.acceleration / 1e3))
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
     analyse(tolerance=1e-8, most=20, numberer="RCM", system="UmfPack")
-    found: dict[str, list[float]] = {line: [0.0] for line in tops}
+    displacements: dict[str, list[float]] = {line: [0.0] for line in tops}
     for _ in range(round(motion.duration / DT)):
         assert ops.analyze(1, DT) == 0
         for line, top in tops.items():
-            found[line].append(1e3 * ops.nodeDisp(top, 1))
-    return {line: np.array(values) for line, values in found.items()}
+            displacements[line].append(1e3 * ops.nodeDisp(top, 1))
+    return {line: np.array(values) for line, values in displacements.items()}
 
 
 def in_opensees(
@@ -158,17 +158,17 @@ def in_opensees(
     x, force = {}, {}
     for place, line in enumerate(LINES):
         data = results[line_ambient(line, ambient)].dataset
-        mine = data.sel(element=data["tag"] == 100 * (place + 1) + 40)
-        assert np.ptp(mine["displacement"].values, axis=0).max() < 1e-6  # five alike
-        x[line], force[line] = (mine[name].values[2] for name in ("displacement", "force"))
+        element = data.sel(element=data["tag"] == 100 * (place + 1) + 40)
+        assert np.ptp(element["displacement"].values, axis=0).max() < 1e-6  # five alike
+        x[line], force[line] = (element[name].values[2] for name in ("displacement", "force"))
     return Histories(x, force, moved)
 
 
 def ours(bearing: str, ambient: float, motion: tb.GroundMotion) -> Histories:
     """Return the histories of the structure of this package."""
     warm = [{"line": n, "ambient": f"{line_ambient(n, ambient)} degC"} for n in WARMER]
-    given = {"structure": "five-span-girder", "lines": warm, "dt": DT}
-    data = tb.bridge(bearing, motion, ambient, keep=tb.Keep(every=1), **given).dataset.isel(run=0)
+    options = {"structure": "five-span-girder", "lines": warm, "dt": DT}
+    data = tb.bridge(bearing, motion, ambient, keep=tb.Keep(every=1), **options).dataset.isel(run=0)
 
     def histories(name: str, parts: str) -> dict[str, Floats]:
         return dict(zip(map(str, data[parts].values), data[name].values.T, strict=True))
@@ -180,43 +180,53 @@ def ours(bearing: str, ambient: float, motion: tb.GroundMotion) -> Histories:
     )
 
 
-def peaks(mine: Histories, theirs: Histories) -> pd.DataFrame:
+def peaks(ours: Histories, theirs: Histories) -> pd.DataFrame:
     """Return the peaks of both, and the difference in per cent of that of OpenSees."""
     rows = []
-    for kind, own, other in zip(Histories._fields, mine, theirs, strict=True):
+    for kind, our_values, their_values in zip(Histories._fields, ours, theirs, strict=True):
         for line in ("A1", "P1", "P2"):  # the others are alike
-            if line in other:
-                one, two = (float(np.abs(values[line]).max()) for values in (own, other))
-                rows.append((f"{kind} {line}", one, two, 100.0 * (one / two - 1.0)))
+            if line in their_values:
+                our_peak, their_peak = (
+                    float(np.abs(values[line]).max()) for values in (our_values, their_values)
+                )
+                rows.append(
+                    (f"{kind} {line}", our_peak, their_peak, 100.0 * (our_peak / their_peak - 1.0))
+                )
     return pd.DataFrame(rows, columns=["peak", "here", "OpenSees", "difference_%"])
+
+
+@cache
+def carry_out() -> dict[tuple[str, float], tuple[Histories, Histories]]:
+    """Run both models for both bearings and temperatures."""
+    motion = cut(0.0, DURATION)
+    return {
+        (bearing, ambient): (ours(bearing, ambient, motion), in_opensees(bearing, ambient, motion))
+        for bearing, ambient in product(BEARINGS, AMBIENTS)
+    }
 
 
 def draw(runs: dict[tuple[str, float], tuple[Histories, Histories]]) -> Figure:
     """Loops of a bearing over the river and displacement of its pier, ours over theirs."""
     title = "Bearing and pier P2: OpenSees (grey) and this package (dashed)"
     figure, axes = drawing.panels(len(runs), 2, (8.0, 2.3 * len(runs)), title)
-    for row, ((bearing, ambient), both) in enumerate(runs.items()):
+    for row, ((bearing, ambient), histories) in enumerate(runs.items()):
         loop, pier = axes[2 * row], axes[2 * row + 1]
-        looks = ({"color": "#CC3311", "linewidth": 0.8, "linestyle": "--"}, {"color": "#bbbbbb"})
-        for one, look in reversed(list(zip(both, looks, strict=True))):
-            loop.plot(one.displacement["P2"], one.force["P2"], **look)
-            pier.plot(DT * np.arange(len(one.top["P2"])), one.top["P2"], **look)
+        styles = ({"color": "#CC3311", "linewidth": 0.8, "linestyle": "--"}, {"color": "#bbbbbb"})
+        for history, style in reversed(list(zip(histories, styles, strict=True))):
+            loop.plot(history.displacement["P2"], history.force["P2"], **style)
+            pier.plot(DT * np.arange(len(history.top["P2"])), history.top["P2"], **style)
         loop.set_title(f"{bearing}, {ambient:g} °C", fontsize=9)
         drawing.name_axes(loop, "bearing [mm]", "force [kN]")
         drawing.name_axes(pier, "time [s]", "pier top [mm]")
     return figure
 
 
-def main(path: str) -> None:
-    """Run both models for both bearings and temperatures."""
-    runs, motion = {}, cut(0.0, DURATION)
-    for bearing, ambient in product(BEARINGS, AMBIENTS):
-        both = ours(bearing, ambient, motion), in_opensees(bearing, ambient, motion)
-        runs[bearing, ambient] = both
-        print(f"{bearing}, {ambient:g} degC")
-        print(peaks(*both).to_string(index=False, float_format="%.2f"), flush=True)
-    drawing.save_figure(draw(runs), path, dpi=130)
+def draw_all() -> Figure:
+    """Draw both bearings at both temperatures (minutes)."""
+    return draw(carry_out())
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    for (name, temperature), both in carry_out().items():
+        print(f"{name}, {temperature:g} degC")
+        print(peaks(*both).to_string(index=False, float_format="%.2f"), flush=True)

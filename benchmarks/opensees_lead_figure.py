@@ -1,29 +1,22 @@
 """Compare the lead temperature in OpenSees with ours.
 
-Usage: `python -m benchmarks.opensees_lead_figure OUT.png`.
-
 Heating agrees. Cooling in LeadRubberX runs at half the rate of its own equations (the second
 of its two stages is never allowed to cool), and its clock counts from the domain's time zero
 instead of the start of the motion, so the same motion later heats more.
 """
-
-import sys
 
 import numpy as np
 from matplotlib.figure import Figure
 
 import thermobearing as tb
 from tests.reference.opensees_lead import lead_rubber_x, stiff_example
-from thermobearing.results.drawing import save_figure
 
 AMPLITUDE, PERIOD, CYCLES, DT, REST = 160.0, 4.0, 5, 0.01, 200.0  # mm, s
 AMBIENT = 20.0  # degC
 
 
-def main() -> None:
-    """Draw the figure into the file named on the command line."""
-    if len(sys.argv) != 2:
-        sys.exit("usage: python -m benchmarks.opensees_lead_figure OUT.png")
+def draw() -> Figure:
+    """Draw the rise of the lead temperature in both programs."""
     moving = np.arange(0.0, PERIOD * CYCLES + DT / 2, DT)
     w, still = 2.0 * np.pi / PERIOD, np.zeros(round(REST / DT))
     shapes = (np.sin(w * moving), w * np.cos(w * moving), -(w**2) * np.sin(w * moving))
@@ -46,8 +39,4 @@ def main() -> None:
     ax.set_title("Lead core heating and cooling", loc="left")
     ax.legend(frameon=False)
     ax.grid(True, color="#dddddd", linewidth=0.6)
-    save_figure(figure, sys.argv[1], dpi=120)
-
-
-if __name__ == "__main__":
-    main()
+    return figure

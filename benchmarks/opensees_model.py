@@ -62,8 +62,8 @@ def fastest(
         build(add, height, pairs)
         if folder:
             ops.recorder("Node", "-file", f"{folder}/x", "-time", "-node", 2, "-dof", 1, "disp")
-            for what in ("force", "parameters"):
-                ops.recorder("Element", "-file", f"{folder}/{what}", "-ele", 1, what)
+            for response in ("force", "parameters"):
+                ops.recorder("Element", "-file", f"{folder}/{response}", "-ele", 1, response)
         begin = time.perf_counter()
         if ops.analyze(steps, DT):
             raise RuntimeError("OpenSees stopped")
@@ -73,19 +73,19 @@ def fastest(
 
 def main() -> None:
     """Measure all, OpenSees' own bearing last."""
-    found = {"material": fastest(None, add_material)}
+    results = {"material": fastest(None, add_material)}
     with tb.opensees.serve(OURS, AMBIENT, units=UNITS) as line:
-        found["served"] = fastest(None, lambda: ops.element(*line.element(1, (1, 2))), steps=FEW)
+        results["served"] = fastest(None, lambda: ops.element(*line.element(1, (1, 2))), steps=FEW)
         pairs = [(k, k + 1) for k in range(1, 2 * MANY, 2)]
         add = lambda: ops.element(*line.element(2, pairs))  # noqa: E731
-        found["many"] = fastest(None, add, pairs=MANY, steps=FEW) / MANY
+        results["many"] = fastest(None, add, pairs=MANY, steps=FEW) / MANY
         ops.wipe()
     with tempfile.TemporaryDirectory() as name:
-        found["bare"] = fastest(None, add_theirs, height=0.3)
-        found["recorded"] = fastest(Path(name), add_theirs, height=0.3)
-    found |= {"iterations": ops.testIter(), "rise": ops.eleResponse(1, "parameters")[4]}
-    assert found["rise"] > 1.0, "the lead was not heated"
-    print(json.dumps(found))
+        results["bare"] = fastest(None, add_theirs, height=0.3)
+        results["recorded"] = fastest(Path(name), add_theirs, height=0.3)
+    results |= {"iterations": ops.testIter(), "rise": ops.eleResponse(1, "parameters")[4]}
+    assert results["rise"] > 1.0, "the lead was not heated"
+    print(json.dumps(results))
 
 
 if __name__ == "__main__":

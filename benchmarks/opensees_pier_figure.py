@@ -1,9 +1,4 @@
-"""Figure: a structure on bilinear bearings here and in OpenSees.
-
-`python -m benchmarks.opensees_pier_figure OUT.png`
-"""
-
-import sys
+"""Figure: a structure on bilinear bearings here and in OpenSees."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -30,7 +25,3 @@ def draw(name: str = "pier-p1", kind: str = "bilinear") -> Figure:
         ax.plot(time, ours[quantity], color="#CC3311", linewidth=0.8, linestyle="--")
         drawing.name_axes(ax, "time [s]" if ax is axes[-1] else "", label)
     return figure
-
-
-if __name__ == "__main__":
-    drawing.save_figure(draw(), sys.argv[1], dpi=130)

@@ -41,7 +41,7 @@ def main() -> None:
             raise RuntimeError("OpenSees stopped")
         times.append(time.process_time() - begin)
     rise = ops.eleResponse(10, "parameters")[4]
-    found = {
+    results = {
         "seconds": min(times),
         "steps": len(acceleration) - 1,
         "rise": rise,
@@ -49,7 +49,7 @@ def main() -> None:
         "iterations": ops.testIter(),
     }
     assert rise > 1.0, "the lead was not heated"
-    print(json.dumps(found))
+    print(json.dumps(results))
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ def compiled_march(constants: Constants, path: Steps, library: Path) -> Callable
     numbers = np.array([*rubber, constants.source_rise])
     cells = constants.cells
     layers = constants.layer_cells
-    places = np.array([[int(one) for one in layer] for layer in layers], dtype=np.int64)
+    places = np.array([[int(cell) for cell in layer] for layer in layers], dtype=np.int64)
     columns = [
         np.ascontiguousarray(column, dtype=float)
         for column in (
@@ -75,16 +75,17 @@ def compiled_march(constants: Constants, path: Steps, library: Path) -> Callable
     ]
     heads = [len(layers), len(cells.capacity), *map(address, columns), address(places)]
     stack = np.array(heads, dtype=np.int64)
-    found = np.zeros(5 + len(cells.capacity))
+    results = np.zeros(5 + len(cells.capacity))
     code = ctypes.CDLL(str(library)).hdr_march
     code.restype, code.argtypes = ctypes.c_long, [*[ctypes.c_void_p] * 2, ctypes.c_long]
     code.argtypes = [*code.argtypes, *[ctypes.c_void_p] * 4]
-    given = [address(one) for one in (path.x, path.dt, path.ambient, found)]
-    alive = columns, places
+    addresses = [address(cell) for cell in (path.x, path.dt, path.ambient, results)]
+    # The addresses are of these arrays: a reference in the function keeps them from being freed.
+    arrays = columns, places
 
     def run() -> Floats:
-        assert code(address(numbers), address(stack), STEPS, *given) == STEPS, alive
-        return found
+        assert code(address(numbers), address(stack), STEPS, *addresses) == STEPS, arrays
+        return results
 
     return run
 
@@ -99,11 +100,11 @@ def own_march(constants: Constants, path: Steps) -> Callable[[], Floats]:
     def run() -> Floats:
         for fresh, used in zip(virgin, start, strict=True):
             used[:] = fresh
-        done, *_ = march(constants, work, start, spare, path, room)
-        assert done == STEPS
-        books: Any = start.books[0]
-        lost = books.heat_lost_ends + books.heat_lost_sides
-        numbers = [books.force, books.work_in, books.heat_released, books.heat_stored, lost]
+        step_count, *_ = march(constants, work, start, spare, path, room)
+        assert step_count == STEPS
+        balance: Any = start.books[0]
+        lost = balance.heat_lost_ends + balance.heat_lost_sides
+        numbers = [balance.force, balance.work_in, balance.heat_released, balance.heat_stored, lost]
         return np.array([*numbers, *start.temperature])
 
     return run
@@ -113,6 +114,7 @@ def microseconds(runs: dict[str, Callable[[], object]]) -> dict[str, float]:
     """Return the fastest time of a step of each, run in turn [us]."""
     best = dict.fromkeys(runs, math.inf)
     for _ in range(REPEATS):
+        # In turn, so that a machine that becomes slower does so for all.
         for name, run in runs.items():
             begin = time.perf_counter()
             run()
@@ -131,11 +133,14 @@ def rows() -> list[Row]:
         library = Path(folder) / "step.so"
         subprocess.run([compiler, *FLAGS, "-o", library, SOURCE, "-lm"], check=True)
         ours, theirs = own_march(constants, quiet), compiled_march(constants, quiet, library)
-        here, there = ours(), theirs()
-        error = float(np.max(np.abs(here - there) / np.maximum(np.abs(here), 1.0)))
+        our_results, their_results = ours(), theirs()
+        error = float(
+            np.max(np.abs(our_results - their_results) / np.maximum(np.abs(our_results), 1.0))
+        )
         if not error <= CLOSE:
             return [failed(WHAT, f"results differ by {error:.1e}", f"<= {LIMIT:g}")]
         kept = room_for(constants, STEPS, ("rubber", "layer_displacement", "hysteretic"))
+        # Arrays far larger than any cache, so that the copy measures the speed of the memory.
         copy = np.empty(32 * 2**20)
         source = np.ones_like(copy)
         runs = {"ours": ours, "C": theirs, "kept": own_march(constants, full)}

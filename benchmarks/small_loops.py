@@ -1,8 +1,7 @@
 """What closing small loops changes on pier P1: `python -m benchmarks.small_loops`.
 
 Prints the table of docs/theory.md, "Small loops": every motion, HDR and LHDR, 23 and -20 degC, the
-published law and small loops that close. `--motion NAME/FILE` takes other motions; `--figure FILE`
-draws nested loops of one bearing instead.
+published law and small loops that close. `--motion NAME/FILE` takes other motions.
 """
 
 import argparse
@@ -36,7 +35,8 @@ def draw() -> Figure:
     steps = [np.arange(a, b, np.sign(b - a)) for a, b in zip((0.0, *NESTED), NESTED, strict=False)]
     for ax, law in zip(axes, ("published", "closed"), strict=True):
         for path, look in ((np.concatenate([*steps, NESTED[-1:]]), "-"), (np.arange(171.0), ":")):
-            element, force = tb.element("shen-hdr-bridge", 23, small_loops=law), []
+            model = tb.ModelOptions(small_loops=law)
+            element, force = tb.element("shen-hdr-bridge", 23, model=model), []
             for x in path:
                 force.append(element.set_trial(float(x), 0.01).force)
                 element.commit()
@@ -49,13 +49,13 @@ def draw() -> Figure:
 
 def changes(motions: Sequence[str]) -> dict[str, np.ndarray]:
     """Change of each measure by closing small loops, by column; rows are runs."""
-    found = {}
+    tables = {}
     for law in ("published", "closed"):
-        study = tb.bridge(BEARINGS, motions, AMBIENT, small_loops=law)
+        study = tb.bridge(BEARINGS, motions, AMBIENT, model=tb.ModelOptions(small_loops=law))
         warmest = study.dataset["rubber_temperature"].max("step").values[:, -1]
         table = study.table
-        found[law] = table.assign(rise=warmest - table["ambient_degC"])
-    published, closed = found["published"], found["closed"]
+        tables[law] = table.assign(rise=warmest - table["ambient_degC"])
+    published, closed = tables["published"], tables["closed"]
     result = {}
     for name, (_, unit) in CHANGES.items():
         old, new = published[name].to_numpy(float), closed[name].to_numpy(float)
@@ -68,21 +68,17 @@ def main() -> None:
     """Print the range of each change, with the runs at its ends, and all runs."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.small_loops", description=__doc__)
     parser.add_argument("--motion", action="append", help="name or file; may be repeated")
-    parser.add_argument("--figure", help="draw nested loops into this file")
-    given = parser.parse_args()
-    if given.figure:
-        drawing.save_figure(draw(), given.figure, dpi=110)
-        return
-    found = changes(given.motion or MOTIONS)
+    arguments = parser.parse_args()
+    measured = changes(arguments.motion or MOTIONS)
     print("| by closing small loops | least | most |\n|---|---|---|")
     for name, (title, unit) in CHANGES.items():
-        ends = [int(np.argmin(found[name])), int(np.argmax(found[name]))]
-        cells = [f"{found[name][k]:+.3g} {unit} ({found['run'][k]})" for k in ends]
+        ends = [int(np.argmin(measured[name])), int(np.argmax(measured[name]))]
+        cells = [f"{measured[name][k]:+.3g} {unit} ({measured['run'][k]})" for k in ends]
         print(f"| {title} | " + " | ".join(cells) + " |")
     heads = [f"{title} {unit}".strip() for title, unit in CHANGES.values()]
     print("\n| run | " + " | ".join(heads) + " |\n" + "|---" * (len(heads) + 1) + "|")
-    for k, run in enumerate(found["run"]):
-        print(f"| {run} | " + " | ".join(f"{found[name][k]:+.3g}" for name in CHANGES) + " |")
+    for k, run in enumerate(measured["run"]):
+        print(f"| {run} | " + " | ".join(f"{measured[name][k]:+.3g}" for name in CHANGES) + " |")
 
 
 if __name__ == "__main__":

@@ -39,20 +39,20 @@ def about_two(values: Any) -> bool:
     return bool(np.all((values > ABOUT[0]) & (values < ABOUT[1])))
 
 
-def hybrid_rows(found: list[Evidence]) -> list[list[str]]:
+def hybrid_rows(results: list[Evidence]) -> list[list[str]]:
     """Statements about the hybrid tests, one column for each number of bearings."""
     rows = []
     for mode, name in (("rt", "real time"), ("pd", "pseudo-dynamic")):
-        ratios = [e.energies(mode) for e in found]
+        ratios = [e.energies(mode) for e in results]
         cells = [marked(format_values(r), about_two(r)) for r in ratios]
         rows.append([f"energy LHDR/HDR, {name}", "about 2 (3.4.5)", *cells])
     cells = []
-    for e in found:
+    for e in results:
         signs = energy_signs(e)
         text = f"{pair(lambda b, e=e: e.ratio(b, ENERGY), '.3f')}: {sum(signs)} of 6"
         cells.append(marked(text, all(signs)))
     rows.append(["energy RT/PD, HDR; LHDR", "above 1, but HDR at -20 (3.4.5)", *cells])
-    shares = [np.array([e.rate_share(ambient) for ambient in AMBIENT]) for e in found]
+    shares = [np.array([e.rate_share(ambient) for ambient in AMBIENT]) for e in results]
     cells = [marked(format_values(share), bool(np.all(share > SHARE))) for share in shares]
     name = "LHDR, PD, first 2 s: largest share of the rate-dependent force"
     return [*rows, [name, "over 0.75 (5.4.2.1)", *cells]]
@@ -69,8 +69,8 @@ def cyclic_rows() -> list[list[str]]:
     for name, table in TABLES.items():
         ratios = damping_ratios(name)
         text = marked(format_values(ratios, ".3f"), bool(np.all(np.diff(ratios) > 0.0)))
-        what = f"h_eq, 175 %, third cycle, {name} (Table {table})"
-        rows.append([what, "rises in the cold (3.5, 6.1)", text, ""])
+        label = f"h_eq, 175 %, third cycle, {name} (Table {table})"
+        rows.append([label, "rises in the cold (3.5, 6.1)", text, ""])
     return rows
 
 
@@ -79,10 +79,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.source_hybrid", description=__doc__)
     parser.add_argument("--motion", help="name or file, instead of the default")
     motion = parser.parse_args().motion
-    found = [evidence(count, motion) for count in COUNTS]
+    results = [evidence(count, motion) for count in COUNTS]
     print("| at 23, 0, -20 degC | source | eight bearings (default) | two bearings |")
     print("|---|---|---|---|")
-    for row in (*hybrid_rows(found), *cyclic_rows()):
+    for row in (*hybrid_rows(results), *cyclic_rows()):
         print("| " + " | ".join(row) + " |")
 
 

@@ -16,12 +16,14 @@ MEASURES = {"G_e": "G_eq_MPa", "h_eq": "h_eq"}
 def cycles(dt: float, integrator: str) -> pd.DataFrame:
     """The table of cycles at the three temperatures, with a step of dt [ms]."""
     test = tb.cyclic_test(dt=1e-3 * dt)
-    return tb.run(NAME, test, ambient=AMBIENTS, integrator=integrator, keep=()).cycles
+    return tb.run(
+        NAME, test, ambient=AMBIENTS, model=tb.ModelOptions(integrator=integrator), keep=()
+    ).cycles
 
 
-def change(table: pd.DataFrame, other: pd.DataFrame, measure: str) -> tuple[float, str]:
+def change(table: pd.DataFrame, reference: pd.DataFrame, measure: str) -> tuple[float, str]:
     """Largest relative difference [%], and where it is."""
-    difference = 100.0 * (table[measure] / other[measure] - 1.0).abs()
+    difference = 100.0 * (table[measure] / reference[measure] - 1.0).abs()
     worst = table.iloc[int(difference.to_numpy().argmax())]
     where = (
         f"largest at {worst['ambient_degC']:g} degC, {100 * worst['amplitude_strain']:.0f} %, "
@@ -33,17 +35,17 @@ def change(table: pd.DataFrame, other: pd.DataFrame, measure: str) -> tuple[floa
 def rows() -> list[Row]:
     """Halving the step with the exact integrator; then both against the finest."""
     exact = {dt: cycles(dt, "exact") for dt in STEPS}
-    found = []
+    measured = []
     for coarse, fine in pairwise(STEPS[:3]):
         for name, measure in MEASURES.items():
             value, where = change(exact[coarse], exact[fine], measure)
-            what = f"{name} of any cycle, exact, dt {coarse:g} -> {fine:g} ms"
-            found.append(at_most(what, value, LIMIT, "%", where))
+            label = f"{name} of any cycle, exact, dt {coarse:g} -> {fine:g} ms"
+            measured.append(at_most(label, value, LIMIT, "%", where))
     for dt in STEPS[:3]:
         euler = cycles(dt, "euler")
         for name, measure in MEASURES.items():
             good, _ = change(exact[dt], exact[STEPS[-1]], measure)
             poor, where = change(euler, exact[STEPS[-1]], measure)
-            what = f"{name}, Euler, dt {dt:g} ms, against exact at {STEPS[-1]:g} ms"
-            found.append(plain(what, poor, "%", f"exact {good:.1e} %; {where}"))
-    return found
+            label = f"{name}, Euler, dt {dt:g} ms, against exact at {STEPS[-1]:g} ms"
+            measured.append(plain(label, poor, "%", f"exact {good:.1e} %; {where}"))
+    return measured

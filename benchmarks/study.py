@@ -28,61 +28,63 @@ FACTORS = {
 }
 
 
-def study(samples: int, seed: int, way: str) -> Study:
+def study(samples: int, seed: int, mode: str) -> Study:
     """Temperatures and strengths by lot."""
     design = {"kind": "monte-carlo", "samples": samples, "seed": seed}
-    design["lockstep"] = way == "in lockstep"
+    design["lockstep"] = mode == "in lockstep"
     case = {"structure": "pier-p1", "duration": "40 s"}
     table = {"kind": "study", "name": "bench", "case": case, "design": design, "factors": FACTORS}
     return make_study(table, "bench")
 
 
-def measured(way: str) -> dict[str, float]:
+def measured(mode: str) -> dict[str, float]:
     """Processor time of a whole study and of its kernels [s], peak memory [MB]; in this process."""
     spent = [0.0]
 
     def timed(march: Callable[..., Any]) -> Callable[..., Any]:
-        def call(*given: Any) -> Any:
+        def call(*arguments: Any) -> Any:
             begin = time.process_time()
-            done = march(*given)
+            result = march(*arguments)
             spent[0] += time.process_time() - begin
-            return done
+            return result
 
         return call
 
+    # Kernels are replaced by timed ones: the rest of the processor time is that around them.
     structure.newmark_march = timed(structure.newmark_march)
     lanes.lanes_march = timed(lanes.lanes_march)
     shaken.peaks_march = timed(shaken.peaks_march)
     with tempfile.TemporaryDirectory() as folder:
-        run_study(study(20, 1, way), Path(folder) / "first", jobs=1)
+        # A small study first: compiling and imports do not count.
+        run_study(study(20, 1, mode), Path(folder) / "first", jobs=1)
         spent[0], begin = 0.0, time.process_time()
-        run_study(study(WAYS[way], 2, way), Path(folder) / "bench", jobs=1)
-        whole = time.process_time() - begin
+        run_study(study(WAYS[mode], 2, mode), Path(folder) / "bench", jobs=1)
+        total = time.process_time() - begin
     status = Path("/proc/self/status").read_text().split()
     peak = int(status[status.index("VmHWM:") + 1]) / 1e3
-    return {"whole": whole, "kernel": spent[0], "peak": peak}
+    return {"whole": total, "kernel": spent[0], "peak": peak}
 
 
-def list_rows(way: str) -> list[Row]:
+def list_rows(mode: str) -> list[Row]:
     """Measure in a separate process, whose memory nothing else has used."""
-    what = f"pier P1, 40 s, LHDR, {WAYS[way]} runs {way}, one process"
-    command = [sys.executable, "-m", "benchmarks.study", way]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        reason = (done.stderr.strip().splitlines() or ["no message"])[-1]
-        return [failed(what, reason, f"<= {AROUND:g} %")]
-    found = json.loads(done.stdout.splitlines()[-1])
-    around = 100.0 * (1.0 - found["kernel"] / found["whole"])
-    each = f"{1e3 * found['whole'] / WAYS[way]:.2f} ms a run"
+    label = f"pier P1, 40 s, LHDR, {WAYS[mode]} runs {mode}, one process"
+    command = [sys.executable, "-m", "benchmarks.study", mode]
+    process = subprocess.run(command, capture_output=True, text=True, check=False)
+    if process.returncode:
+        reason = (process.stderr.strip().splitlines() or ["no message"])[-1]
+        return [failed(label, reason, f"<= {AROUND:g} %")]
+    results = json.loads(process.stdout.splitlines()[-1])
+    around = 100.0 * (1.0 - results["kernel"] / results["whole"])
+    duration = f"{1e3 * results['whole'] / WAYS[mode]:.2f} ms a run"
     return [
-        at_most(f"{what}: share of the time around the kernel", around, AROUND, "%", each),
-        at_most(f"{what}: peak memory", found["peak"], MEMORY, "MB"),
+        at_most(f"{label}: share of the time around the kernel", around, AROUND, "%", duration),
+        at_most(f"{label}: peak memory", results["peak"], MEMORY, "MB"),
     ]
 
 
 def rows() -> list[Row]:
     """One by one and in lockstep."""
-    return [row for way in WAYS for row in list_rows(way)]
+    return [row for mode in WAYS for row in list_rows(mode)]
 
 
 if __name__ == "__main__":

@@ -39,31 +39,31 @@ def cloud(runs: int, rng: np.random.Generator) -> pd.DataFrame:
     return pd.DataFrame({"im": im, "drift": im * np.exp(DISPERSION * rng.normal(size=runs))})
 
 
-def held(
-    made: Any, runs: int, method: Any, percentile: bool, rng: np.random.Generator
+def coverage(
+    draw: Any, runs: int, method: Any, percentile: bool, rng: np.random.Generator
 ) -> np.ndarray:
-    found = np.zeros(5)
+    counts = np.zeros(5)
     truth = norm.cdf(np.log(AT) / DISPERSION)
     for seed in range(TIMES):
         curve = fragility_curve(
-            made(runs, rng), "drift", 1.0, "im", method=method, samples=SAMPLES, seed=seed
+            draw(runs, rng), "drift", 1.0, "im", method=method, samples=SAMPLES, seed=seed
         )
         if percentile:
             curve = replace(curve, parts=[(1.0, curve.estimate.drawn or curve.estimate)])
         (low, high), row = curve.band_at(AT), curve.row()
-        found[:3] += (low <= truth) & (truth <= high)
-        found[3] += row["median_low"] <= 1.0 <= row["median_high"]
-        found[4] += row["dispersion_low"] <= DISPERSION <= row["dispersion_high"]
-    return found / TIMES
+        counts[:3] += (low <= truth) & (truth <= high)
+        counts[3] += row["median_low"] <= 1.0 <= row["median_high"]
+        counts[4] += row["dispersion_low"] <= DISPERSION <= row["dispersion_high"]
+    return counts / TIMES
 
 
 def main() -> None:
     rng = np.random.default_rng(0)
     for runs in (12, 20, 40):
-        for method, made in (("stripes", stripes), ("ida", motions), ("cloud", cloud)):
+        for method, draw in (("stripes", stripes), ("ida", motions), ("cloud", cloud)):
             for percentile in (False, True):
-                found = held(made, runs, method, percentile, rng)
-                shares = " ".join(f"{share:.3f}" for share in found)
+                covered = coverage(draw, runs, method, percentile, rng)
+                shares = " ".join(f"{share:.3f}" for share in covered)
                 name = f"{method}, percentile" if percentile else method
                 print(f"{runs} {name}: {shares}", flush=True)
 

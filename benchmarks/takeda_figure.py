@@ -1,6 +1,4 @@
-"""Figure: the rules of the degrading hinge. `python -m benchmarks.takeda_figure OUT.png`."""
-
-import sys
+"""Figure: the rules of the degrading hinge."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,7 +13,7 @@ PATH = [1.0, 4.0, 2.8, 4.0, 5.0, 0.0, -3.0, 0.5, 3.0, 1.5, 5.0]  # rotations ove
 RULES = (  # text, leg of the path, place along it, offset of the text
     ("1 elastic", 0, 0.75, (-60, 4)),
     ("2 backbone", 1, 0.55, (-20, -18)),
-    ("3 unloads softer,\n   comes back", 2, 0.8, (6, -22)),
+    ("3 unloads softer,\n   comes back", 2, 0.8, (52, -34)),
     (
         "4 beyond zero: towards the\n   farthest point (yield point\n   before it yielded there)",
         5,
@@ -23,7 +21,7 @@ RULES = (  # text, leg of the path, place along it, offset of the text
         (8, -42),
     ),
     ("5 backbone on\n   the other side", 6, 0.75, (-10, 16)),
-    ("6 reloads towards the\n   farthest point above", 8, 0.2, (-30, -80)),
+    ("6 reloads towards the\n   farthest point above", 8, 0.2, (-100, -80)),
 )
 COUNT = 200  # points of a leg
 
@@ -41,25 +39,21 @@ def draw() -> Figure:
     )
     state, new = straight_hinges(constants), straight_hinges(constants)
     figure, (ax,) = drawing.panels(1, 1, (7.0, 4.8), "Hinge of pier P1: stiffness-degrading rules")
-    here, legs = 0.0, []
+    rotation_reached, legs = 0.0, []
     for end in PATH:
-        leg = [(here, state.bends[0].moment / hinge.yield_moment)]
-        for rotation in np.linspace(here, end, COUNT)[1:]:
+        leg = [(rotation_reached, state.bends[0].moment / hinge.yield_moment)]
+        for rotation in np.linspace(rotation_reached, end, COUNT)[1:]:
             takeda(constants, state, 0, float(rotation * y), new)
             state, new = new, state
             leg.append((float(rotation), state.bends[0].moment / hinge.yield_moment))
-        here = end
+        rotation_reached = end
         legs.append(np.array(leg))
     for leg, colour in zip(legs, drawing.ordered_colours(len(legs), "viridis"), strict=True):
         ax.plot(*leg.T, color=colour, linewidth=1.6)
     for text, number, place, offset in RULES:
         at = legs[number][int(place * (COUNT - 1))]
         arrow: drawing.Look = {"arrowstyle": "-", "color": drawing.GREY, "linewidth": 0.6}
-        look: drawing.Look = {"fontsize": drawing.SMALL, "arrowprops": arrow}
-        ax.annotate(text, at, offset, textcoords="offset points", **look)
+        style: drawing.Look = {"fontsize": drawing.SMALL, "arrowprops": arrow}
+        ax.annotate(text, at, offset, textcoords="offset points", **style)
     drawing.name_axes(ax, "rotation / yield rotation", "moment / yield moment")
     return figure
-
-
-if __name__ == "__main__":
-    drawing.save_figure(draw(), sys.argv[1], dpi=130)

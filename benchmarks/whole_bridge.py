@@ -42,30 +42,30 @@ def rows() -> list[Row]:
     """Return the times of the study; kernels are ready after the first analysis."""
     tb.bridge(BEARINGS, PAIRS[:1], 23, structure=STRUCTURE, components=2, duration=0.1)
     _study(1)
-    (two, wall, both), (_, _, apart) = _study(2), _study(1)
-    what = f"five-span bridge in plan, {two.runs} runs with two components"
+    (two, wall, busy), (_, _, separate) = _study(2), _study(1)
+    label = f"five-span bridge in plan, {two.runs} runs with two components"
     return [
-        at_most(f"{what}, two cores", wall, LIMIT, "s", f"{both:.0f} s of both cores"),
-        at_most("the same over each direction alone, processor", both / apart, LIMIT_RATIO),
+        at_most(f"{label}, two cores", wall, LIMIT, "s", f"{busy:.0f} s of both cores"),
+        at_most("the same over each direction alone, processor", busy / separate, LIMIT_RATIO),
     ]
 
 
 def table() -> str:
     """Return two components over one at a time: mean, lowest and highest of the motions."""
-    result, one = _study(2)[0], _study(1)[0]
-    rows = components_summary(components_frame(result, one))
+    result, separate = _study(2)[0], _study(1)[0]
+    rows = components_summary(components_frame(result, separate))
     lines = ["| | " + " | ".join(SHOWN) + " |", "|---" * (len(SHOWN) + 1) + "|"]
-    for (bearing, ambient), mine in rows.groupby(["bearing", "ambient_degC"], sort=False):
-        found = mine.set_index(["quantity", "combination"])[["mean", "min", "max"]]
+    for (bearing, ambient), group in rows.groupby(["bearing", "ambient_degC"], sort=False):
+        values = group.set_index(["quantity", "combination"])[["mean", "min", "max"]]
         cells = [
-            "{:.2f} ({:.2f}–{:.2f})".format(*found.loc[key]) if key in found.index else ""
+            "{:.2f} ({:.2f}–{:.2f})".format(*values.loc[key]) if key in values.index else ""
             for key in SHOWN.values()
         ]
         lines.append(f"| `{bearing}`, {ambient:g} °C | " + " | ".join(cells) + " |")
     early = [
         f"{name} ended early: {outcome}"
-        for each in (result, one)
-        for name, outcome in zip(each.run_names, each["outcome"].values, strict=True)
+        for study in (result, separate)
+        for name, outcome in zip(study.run_names, study["outcome"].values, strict=True)
         if outcome != "completed"
     ]
     return "\n".join([*lines, "", *early])

@@ -22,11 +22,11 @@ def rows() -> list[Row]:
         "the same by tb.run(), sampled, checked and labelled": labelled,
         "the same with the table of cycles": measured,
     }
-    found = [(what, times, LIMIT) for what, times in cases.items()]
+    timed = [(label, times, LIMIT) for label, times in cases.items()]
     short = tb.cyclic_test(strain=[0.5], cycles=1)
     taken = seconds(lambda: tb.run(bearing, short, ambient=COLD), 50)
-    found.append(("one cycle by tb.run(), without labels", taken, SHORT_LIMIT))
+    timed.append(("one cycle by tb.run(), without labels", taken, SHORT_LIMIT))
     return [
-        at_most(what, 1e3 * times[0], limit, "ms", f"median {1e3 * times[len(times) // 2]:.1f} ms")
-        for what, times, limit in found
+        at_most(label, 1e3 * times[0], limit, "ms", f"median {1e3 * times[len(times) // 2]:.1f} ms")
+        for label, times, limit in timed
     ]

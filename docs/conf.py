@@ -59,6 +59,8 @@ sphinx_gallery_conf = {
     "examples_dirs": "examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
+    # A function for a model that is open in OpenSees: it has no output of its own.
+    "ignore_pattern": r"frame_table\.py$",
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": (figures.returned_figures,),
     "capture_repr": ("_repr_html_",),
@@ -84,7 +86,7 @@ html_static_path = [
 LIVE = DOCS.parent / "build" / "live"
 try:
     LIVE.mkdir(parents=True, exist_ok=True)
-    thermobearing.live_page(LIVE / "bearing.html", overwrite=True)
+    thermobearing.live_page(LIVE / "bearing.html", overwrite=True, documents="../index.html")
     html_static_path.append(str(LIVE))
     tags.add("live")  # type: ignore[name-defined]  # noqa: F821
 except InputError as missing:

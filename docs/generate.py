@@ -1,30 +1,28 @@
 """Regenerate every number and figure in README and docs: `make docs`.
 
-Runs the tests (which record what they measure) and the benches, draws the loops, and writes
-the tables between the `generated` marks. `--texts-only` rewrites the texts from the
-numbers that are there, and the descriptions of options that help reads, which the tests use to see
-that nobody typed a number by hand.
+Runs the tests (which record what they measure) and the benches, draws all pictures (`--pictures`
+draws these alone), and writes the tables between the `generated` marks. `--texts-only` rewrites
+the texts from the numbers that are there, and the descriptions of options that help reads, which
+the tests use to see that nobody typed a number by hand.
 """
 
 import argparse
 import ast
+import csv
+import io
 import json
 import os
 import re
 import subprocess
 import sys
-import tempfile
 import tomllib
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from docs.builder import keys, sketch
+from docs.builder import keys, pictures
 from thermobearing import cli  # noqa: F401 (it has all commands)
 from thermobearing.commands.descriptions import descriptions_text
-from thermobearing.commands.options import DESCRIPTIONS, MADE
-from thermobearing.design.factors import scale_study
+from thermobearing.commands.options import COMMAND_FIELDS, DESCRIPTIONS
 
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
@@ -77,9 +75,11 @@ def table(heads: list[str], rows: list[list[str]]) -> str:
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
-def test_rows(measured: list[dict[str, str]]) -> list[list[str]]:
-    """What the tests measured, with the test that asserts it."""
-    return [[m["what"], m["value"], m["limit"], f"`{m['test']}`"] for m in measured]
+def csv_text(heads: list[str], rows: list[list[str]]) -> str:
+    """Return a table as CSV, for spreadsheets and pandas."""
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows([heads, *rows])
+    return buffer.getvalue()
 
 
 def bench_rows(bench: dict[str, Any]) -> list[list[str]]:
@@ -123,10 +123,48 @@ def headline_sentence() -> str:
     )
 
 
-def heat_error(text: str) -> str:
-    """Return an error such as "-0.8 of 73.5 K; cooling -1.0 K" in words."""
-    error, rise, cooled = NUMBER.findall(text)
-    return f"{error} K at its largest rise of {rise} K and {cooled} K after cooling"
+FORCE, STRAIN = "bearing_force_max_kN", "bearing_strain_max"
+
+
+def virgin_sentence() -> str:
+    """Return what virgin rubber does to the default bridge, with its range by motion."""
+    import thermobearing as tb
+
+    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
+    bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
+    states = ("tested", "virgin")
+    tested, virgin = (
+        tb.bridge(bearings, motions, [23, -20], state=state).table.set_index(
+            ["bearing", "ambient_degC", "motion"]
+        )
+        for state in states
+    )
+    changes = (100.0 * (virgin[[FORCE, STRAIN]] / tested[[FORCE, STRAIN]] - 1.0)).sort_index()
+    parts = []
+    for bearing, words in zip(bearings, ("HDR", "LHDR"), strict=True):
+        for ambient in (23.0, -20.0):
+            ratios = [changes[name].loc[bearing, ambient] for name in (FORCE, STRAIN)]
+            force, strain = (f"{ratio.min():+.0f} to {ratio.max():+.0f} %" for ratio in ratios)
+            parts.append(f"{words} at {ambient:g} °C: force {force}, displacement {strain}")
+    ductile = [table["pier_ductility"].max() for table in (tested, virgin)]
+    return (
+        "* The library bearings represent tested (scragged) rubber. Virgin rubber is stiffer, by "
+        "how much is assumed from one real test (`--state virgin`, "
+        "[how-to](docs/guide/bridge.md#virgin-and-recovered-rubber)). On pier P1 in the "
+        f"{len(motions)} built-in motions of ground I: {'; '.join(parts)}; pier ductility up to "
+        f"{ductile[1]:.2f}, {ductile[0]:.2f} with tested rubber."
+    )
+
+
+def heat_agreement(lead: str, layer: str) -> str:
+    """Return errors such as "-0.8 of 73.5 K; cooling -1.0 K", of lead and rubber, in words."""
+    numbers = [NUMBER.findall(text) for text in (lead, layer)]
+    worst = max(abs(float(error)) for heated, _, cooled in numbers for error in (heated, cooled))
+    (_, of_lead, _), (_, of_layer, _) = numbers
+    return (
+        f"temperatures agree within {worst:.1f} K (largest rise of the lead {of_lead} K, of the "
+        f"inner rubber layer {of_layer} K)"
+    )
 
 
 def validated_rows(measured: list[dict[str, str]]) -> str:
@@ -135,19 +173,22 @@ def validated_rows(measured: list[dict[str, str]]) -> str:
     peak = value["pier-p1, bilinear bearings, force against OpenSees: peak, complete history"]
     ids = ledger_groups()["statements"]
     counts = ledger_counts(ids)
+    facts, asides = contradictions()
+    wrong, aside = (sum(map(len, groups.values())) for groups in (facts, asides))
     error = 100.0 * float(value["NRMSE of the real HDR test, with scragging"])
-    agree = counts["reproduced"] + counts["echoes an input"] + counts["trend holds"]
     lines = [
         f"**OpenSees**: the force of a pier on bilinear bearings agrees to {peak.split(',')[0]} of "
         "the peak, the temperature rise of a lead core within "
         f"{value['lead rise against OpenSees LeadRubberX while heating']}.",
-        f"**Finite elements**: the temperature of the lead is off by {heat_error(value[LEAD])}, "
-        f"that of the inner rubber layer by {heat_error(value[INNER_LAYER])}.",
+        f"**Finite elements**: {heat_agreement(value[LEAD], value[INNER_LAYER])}.",
         "**A real test** of a high-damping rubber bearing: the calibrated force has a normalised "
         f"rms error of {error:.1f} %, the energy of the cycles is off by "
         f"{value['energy errors of its cycles, with scragging']}.",
-        f"**The dissertation**: of {len(ids)} statements of Shen (2023), {agree} are confirmed, "
-        f"{counts['contradicted']} are contradicted, and the others need its test data or motions.",
+        f"**The dissertation**: of {len(ids)} statements of Shen (2023), "
+        f"{counts['reproduced']} are reproduced to the digit, {counts['trend holds']} in trend, "
+        f"and {counts['echoes an input']} follow from inputs; {wrong + aside} are contradicted "
+        f"({len(facts)} facts in {wrong} statements, and {aside} misprints or second readings). "
+        "The others need its test data or motions.",
     ]
     return "\n".join(f"* {line}" for line in lines)
 
@@ -155,6 +196,7 @@ def validated_rows(measured: list[dict[str, str]]) -> str:
 def readme_text(old: str, measured: list[dict[str, str]]) -> str:
     """Return README with its generated parts written anew."""
     text = between(old, "headline", headline_sentence())
+    text = between(text, "virgin", virgin_sentence())
     return between(text, "validated", validated_rows(measured))
 
 
@@ -162,11 +204,11 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
     """Return docs/verification.md: what was checked, against what, with which error, and speed."""
     values = {m["what"]: m["value"] for m in measured}
     rows = [
-        [row["what"], row["against"], NAMED.sub(lambda found: values[found[1]], row["result"])]
+        [row["what"], row["against"], NAMED.sub(lambda match: values[match[1]], row["result"])]
         for row in tomllib.loads(SUMMARY.read_text(encoding="utf-8"))["rows"]
     ]
     by_what = {row[0]: row for row in bench_rows(bench)}
-    about = bench["machine"]
+    machine = bench["machine"]
     return (
         "\n\n".join(
             [
@@ -179,8 +221,8 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "Further checks without a number: golden files of every command, hostile input "
                 "(100 000 cases), and small errors put into the code, which tests must detect.",
                 "## Speed",
-                f"{about['processor']}, one core, Python {about['python']}, numba "
-                f"{about['numba']}; `make bench` measures on your machine.",
+                f"{machine['processor']}, one core, Python {machine['python']}, numba "
+                f"{machine['numba']}; `make bench` measures on your machine.",
                 table(
                     ["what", "measured", "target", "met"], [by_what[name] for name in BENCH_SHOWN]
                 ),
@@ -190,22 +232,31 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
     )
 
 
-def measured_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> str:
-    """Return docs/appendix/measured.md: all values of tests and benches, and longer studies."""
-    about = ", ".join(f"{key} {value}" for key, value in bench["machine"].items())
+def measured_texts(
+    measured: list[dict[str, str]], bench: dict[str, Any]
+) -> tuple[str, dict[str, str]]:
+    """Return docs/appendix/measured.md with longer studies, and all values as CSV files."""
+    machine = ", ".join(f"{key} {value}" for key, value in bench["machine"].items())
+    bench_table = [[cell.strip("*") for cell in row] for row in bench_rows(bench)]
+    files = {
+        "measured.csv": csv_text(
+            ["what", "measured", "limit", "test"],
+            [[row[key] for key in ("what", "value", "limit", "test")] for row in measured],
+        ),
+        "benches.csv": csv_text(["what", "measured", "target", "met"], bench_table),
+    }
     parts = [
-        "# All measured values",
-        "Written by `make docs`; do not edit. The first table is what the tests measured (each "
-        "asserts its limit), the last what `make bench` measured.",
-        table(["what", "measured", "limit", "test"], test_rows(measured)),
+        "# Measured values and longer studies",
+        "Written by `make docs`; do not edit.",
+        f"* [measured.csv](measured.csv): {len(measured)} values that tests measure, each with the "
+        "limit that the test asserts.\n"
+        f"* [benches.csv](benches.csv): {len(bench_table)} results of `make bench`, on {machine}.",
         *((TEXTS / f"{name}.md").read_text(encoding="utf-8").strip() for name in SECTIONS),
-        f"## Benches\n\n{about}",
-        table(["what", "measured", "target", "met"], bench_rows(bench)),
     ]
     text = "\n\n".join(parts) + "\n"
     for name in ("theory.md", "files.md"):
         text = text.replace(f"({name}", f"(../{name}")
-    return ORPHAN + text.replace("(figures/", "(../figures/")
+    return ORPHAN + text.replace("(figures/", "(../figures/"), files
 
 
 def counts_table() -> str:
@@ -215,13 +266,70 @@ def counts_table() -> str:
     ledger = load(LEDGER)
     claims = {part: [c.id for c in load_claims(part) if c.id in ledger] for part in CHAPTERS}
     ids = {CHAPTERS[part]: claims[part] for part in GROUPS["statements"]}
-    ids |= {f"**{name}**": found for name, found in ledger_groups().items()}
-    every = {name: ledger_counts(found) for name, found in ids.items()}
+    ids |= {f"**{name}**": group for name, group in ledger_groups().items()}
+    verdicts = {name: ledger_counts(group) for name, group in ids.items()}
     kinds = [
-        k for k in ledger_counts(list(ledger)) if any(found.get(k) for found in every.values())
+        k for k in ledger_counts(list(ledger)) if any(group.get(k) for group in verdicts.values())
     ]
-    rows = [[name, *(str(found.get(k, 0)) for k in kinds)] for name, found in every.items()]
+    rows = [[name, *(str(group.get(k, 0)) for k in kinds)] for name, group in verdicts.items()]
     return table(["", *kinds], rows)
+
+
+def contradictions() -> tuple[dict[str, list[Any]], dict[str, list[Any]]]:
+    """Return the contradicted statements by fact, and those that are no fact by the reason."""
+    from reproduction.claims import CONTRADICTED, load_claims
+
+    ledger = load(LEDGER)
+    facts: dict[str, list[Any]] = {}
+    asides: dict[str, list[Any]] = {}
+    statements = set(ledger_groups()["statements"])
+    for claim in load_claims():
+        if claim.id not in statements or ledger[claim.id]["verdict"] != CONTRADICTED:
+            continue
+        # Several statements may rest on one fact, which counts once; misprints are no facts.
+        if (claim.fact is None) == (claim.aside is None):
+            raise ValueError(f"{claim.id} is contradicted: state either its fact or its aside")
+        groups, name = (facts, claim.fact) if claim.fact else (asides, claim.aside)
+        groups.setdefault(str(name), []).append(claim)
+    return facts, asides
+
+
+def comparison_text(page: str) -> str:
+    """Return docs/comparison_with_shen.md with its generated parts."""
+    from reproduction.claims import record_needs
+    from reproduction.records import list_wanted
+
+    rows = [
+        [", ".join(f"`{name}`" for name in files.split(", ")), means, columns]
+        for files, means, columns, _ in list_wanted(record_needs())
+    ]
+    page = between(page, "counts", counts_table())
+    page = between(page, "contradictions", contradictions_text())
+    return between(page, "records", table(["files", "record", "columns"], rows))
+
+
+def contradictions_text() -> str:
+    """Return the facts that are contradicted, once each, and what else contradicts Shen (2023)."""
+    facts, asides = contradictions()
+    ledger = load(LEDGER)
+    rows = [
+        [
+            str(number),
+            fact,
+            "; ".join(dict.fromkeys(claim.place for claim in claims)),
+            "; ".join(ledger[claim.id]["words"].removeprefix("contradicted: ") for claim in claims),
+        ]
+        for number, (fact, claims) in enumerate(facts.items(), 1)
+    ]
+    asides_text = "; ".join(
+        f"{len(claims)} for a {reason} in " + " and ".join(claim.place for claim in claims)
+        for reason, claims in asides.items()
+    )
+    heads = ["", "fact", "places", "here"]
+    count = sum(map(len, asides.values()))
+    return (
+        f"{table(heads, rows)}\n\nNot counted as facts are {count} more statements: {asides_text}."
+    )
 
 
 def quantities_table() -> str:
@@ -284,16 +392,17 @@ def coverage_verdict(kinds: set[str]) -> str:
     return "needs data" if kinds == {NEEDS} else "works"
 
 
-def coverage_text(items: list[dict[str, Any]]) -> str:
-    """docs/coverage.md, all of it: what it means, the counts, and a table a chapter."""
+def coverage_texts(items: list[dict[str, Any]]) -> tuple[str, str]:
+    """Return docs/appendix/coverage.md with meaning and counts, and the items as CSV."""
     counts = {name: sum(i["verdict"] == name for i in items) for name in VERDICTS}
     counted = [[name, str(count), VERDICTS[name]] for name, count in counts.items()]
-    parts: list[Any] = [
+    parts = [
         "# Coverage",
         "Written by `make docs` from `docs/coverage.toml`, the ledger of claims and the measured "
-        "values; do not edit. Every model, measure, test and figure of Shen (2023), what runs it, "
-        "and the result compared with Shen's. Numbers with a verdict in brackets are rows of the "
-        f"[ledger](reproduction.md). {len(items)} items:",
+        "values; do not edit. [coverage.csv](coverage.csv) lists every model, measure, test and "
+        "figure of Shen (2023), what runs it, and the result compared with Shen's. Numbers with a "
+        "verdict in brackets are rows of the [ledger](reproduction.md). "
+        f"{len(items)} items:",
         table(["verdict", "items", "meaning"], counted),
         "The test records and accelerograms of Shen (2023) are not public: a figure that compares "
         'the model with a test "works" if it can be drawn with any test, one of an earthquake if '
@@ -302,20 +411,16 @@ def coverage_text(items: list[dict[str, Any]]) -> str:
         "`import thermobearing as tb`. Why the model departs from Shen (2023) where they differ: "
         "[theory.md](theory.md), [verification.md](verification.md).",
     ]
-    rows: list[list[str]] = []
-    heads = ["#", "place", "what", "run by", "here", "Shen (2023)", "verdict"]
+    heads = ["chapter", "#", "place", "what", "run by", "here", "Shen (2023)", "verdict"]
+    chapter, rows = "", []
     for item in items:
-        if "chapter" in item:
-            rows = []
-            parts += [f"## {item['chapter'][0].upper()}{item['chapter'][1:]}", rows]
-        verdict = item["verdict"] if item["verdict"] == "works" else f"**{item['verdict']}**"
-        words = [item[key] for key in ("ours", "says")]
-        start = [str(item["item"]), item["source"], item["what"], f"`{item['run']}`"]
-        rows.append([*start, *words, verdict])
-    text = "\n\n".join(p if isinstance(p, str) else table(heads, p) for p in parts) + "\n"
+        chapter = item.get("chapter", chapter)
+        cells = [item[key] for key in ("item", "source", "what", "run", "ours", "says", "verdict")]
+        rows.append([chapter, *map(str, cells)])
+    text = "\n\n".join(parts) + "\n"
     for name in ("theory.md", "files.md", "verification.md"):
         text = text.replace(f"({name}", f"(../{name}")
-    return ORPHAN + text
+    return ORPHAN + text, csv_text(heads, rows)
 
 
 def ledger_counts(ids: list[str]) -> dict[str, int]:
@@ -334,41 +439,51 @@ def ledger_groups() -> dict[str, list[str]]:
     return {group: [name for name in ledger if group_by_id(name) == group] for group in GROUPS}
 
 
-def reproduction_text() -> str:
-    """docs/reproduction.md, all of it: the counts, and every claim with what flips it."""
+def reproduction_texts() -> tuple[str, dict[str, str]]:
+    """Return docs/appendix/reproduction.md with the counts, and every claim as CSV files."""
     from reproduction.claims import CHAPTERS, ECHOES, load_claims, rule_words
     from reproduction.report import READING
 
     ledger = load(LEDGER)
     claims = {part: [c for c in load_claims(part) if c.id in ledger] for part in CHAPTERS}
-    heads = ["place", "statement", "rule", "computed", "verdict", "as printed", "flips"]
+    rows = []
+    for part, chapter_claims in claims.items():
+        for claim in chapter_claims:
+            row = ledger[claim.id]
+            flips = "; ".join(flip_words(*item) for item in row["flips"].items())
+            reason = (
+                f" ({claim.depends})" if row["stands_5_per_cent_more_K_r"] and claim.depends else ""
+            )
+            verdict = row["words"]
+            start = [CHAPTERS[part], claim.place, claim.statement, rule_words(claim.rule)]
+            same = row["printed_model"] == verdict.removeprefix(f"{ECHOES}: ")
+            printed = "the same" if same else row["printed_model"]
+            rows.append([*start, row["computed"], verdict, printed, f"{flips}{reason}"])
+    heads = ["chapter", "place", "statement", "rule", "computed", "verdict", "as printed", "flips"]
+    files = {"reproduction.csv": csv_text(heads, rows)}
+    record_rows = []
+    for claim in filter(lambda item: item.measured, load_claims()):
+        rule, names = rule_words(claim.measured.rule), ", ".join(claim.measured.records)
+        cells = [claim.place, claim.statement, names, rule, claim.measured.computed]
+        record_rows.append([*cells, claim.measured.assumes])
+    heads = ["place", "statement", "records", "rule", "expression", "the words taken as"]
+    files["records.csv"] = csv_text(heads, record_rows)
     parts = [
         "# Reproduction",
         "Written by `make docs` from the ledger that the tests check "
         "(`tests/reproduction/ledger.json`); do not edit. `make reproduce` (`python -m "
         "reproduction`) makes the ledger, with every figure and table, from data files and code "
         "alone. Every verdict is computed at every run from the rule in its row.",
+        f"* [reproduction.csv](reproduction.csv): {len(rows)} statements with rule, computed "
+        "value, verdict, verdict on the printed model, and the smallest change that turns it.\n"
+        f"* [records.csv](records.csv): {len(record_rows)} statements that records of the tests "
+        "would judge. `python -m reproduction --records FOLDER` judges those whose records are in "
+        "the folder; the files are listed in the [comparison](../comparison_with_shen.md).",
+        "## How to read the verdicts",
         "\n".join(f"* {text}" for text in READING),
         counts_table(),
     ]
-    for part, found in claims.items():
-        if not found:
-            continue
-        rows = []
-        for claim in found:
-            row = ledger[claim.id]
-            flips = "; ".join(flip_words(*item) for item in row["flips"].items())
-            why = (
-                f" ({claim.depends})" if row["stands_5_per_cent_more_K_r"] and claim.depends else ""
-            )
-            verdict = row["words"]
-            words = f"**{verdict}**" if row["verdict"] == "contradicted" else verdict
-            start = [claim.place, claim.statement, rule_words(claim.rule), row["computed"]]
-            same = row["printed_model"] == verdict.removeprefix(f"{ECHOES}: ")
-            printed = "the same" if same else row["printed_model"]
-            rows.append([*start, words, printed, f"{flips}{why}"])
-        parts += [f"## {CHAPTERS[part]}", table(heads, rows)]
-    return ORPHAN + "\n\n".join(parts) + "\n"
+    return ORPHAN + "\n\n".join(parts) + "\n", files
 
 
 def flip_words(symbol: str, change: float | None) -> str:
@@ -379,36 +494,34 @@ def flip_words(symbol: str, change: float | None) -> str:
 def between(text: str, name: str, content: str) -> str:
     """The text with what stands between two marks replaced."""
     start, end = f"<!-- generated: {name} -->", "<!-- end generated -->"
-    head, rest = text.split(start)
-    return f"{head}{start}\n{content}\n{end}{rest.split(end, 1)[1]}"
+    head, following = text.split(start)
+    return f"{head}{start}\n{content}\n{end}{following.split(end, 1)[1]}"
 
 
-def modules_table() -> str:
-    """The subject of each module, by package, from the first line of its docstring."""
-    package = DOCS.parent / "src" / "thermobearing"
-    parts = []
-    for folder in sorted({path.parent for path in package.rglob("*.py")}):
-        name = folder.relative_to(package).as_posix()
-        rows = [
-            [f"`{path.stem}`", subject(path)]
+def modules_texts() -> tuple[str, str]:
+    """Return docs/appendix/modules.md with the packages, and the subject of each module as CSV."""
+    source = DOCS.parent / "src" / "thermobearing"
+    packages, modules = [], []
+    for folder in sorted({path.parent for path in source.rglob("*.py")}):
+        name = ".".join(folder.relative_to(source).parts) or source.name
+        packages.append([f"`{name}`", subject(folder / "__init__.py").replace("|", "\\|")])
+        modules += [
+            [name, path.stem, subject(path)]
             for path in sorted(folder.glob("*.py"))
             if path.name != "__init__.py"
         ]
-        head = "thermobearing" if name == "." else name
-        parts.append(f"**{head}**: {subject(folder / '__init__.py')}")
-        parts.append(table(["module", "subject"], rows))
-    return "\n\n".join(parts)
+    page = (
+        "# Modules\n\nWritten by `make docs` from the first paragraph of each docstring. "
+        f"[modules.csv](modules.csv) has the subject of all {len(modules)} modules; these are the "
+        f"packages:\n\n{table(['package', 'subject'], packages)}\n"
+    )
+    return page, csv_text(["package", "module", "subject"], modules)
 
 
 def subject(path: Path) -> str:
     """The first paragraph of a module's docstring."""
     text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
-    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
-
-
-def architecture_text(page: str) -> str:
-    """The page on the architecture with its list of modules."""
-    return between(page, "modules", modules_table())
+    return " ".join(text.split("\n\n")[0].split())
 
 
 def fill_tables() -> None:
@@ -417,78 +530,18 @@ def fill_tables() -> None:
         path = TEXTS / f"{name}.md"
         for program in programs:
             command = [sys.executable, "-m", f"benchmarks.{program}"]
-            done = subprocess.run(command, check=True, cwd=DOCS.parent, capture_output=True)
+            process = subprocess.run(command, check=True, cwd=DOCS.parent, capture_output=True)
             text = path.read_text(encoding="utf-8")
-            path.write_text(between(text, program, done.stdout.decode().strip()))
+            path.write_text(between(text, program, process.stdout.decode().strip()))
 
 
 def cold_town() -> None:
-    """The studies of the cold town (minutes), their tables and figures."""
+    """Carry out the studies of the cold town (minutes) and write their tables."""
+    from benchmarks.cold_town import carry_out
+
     page = DOCS / "cold_town.md"
-    with tempfile.TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "benchmarks.cold_town", folder, str(DOCS / "figures")]
-        done = subprocess.run(command, check=True, cwd=DOCS.parent, capture_output=True)
-    text = between(page.read_text(encoding="utf-8"), "cold_town", done.stdout.decode().strip())
+    text = between(page.read_text(encoding="utf-8"), "cold_town", carry_out()[0])
     page.write_text(text, encoding="utf-8")
-
-
-def draw_cold(path: Path) -> None:
-    """Draw the picture of the README: one bridge in one earthquake, warm and cold."""
-    import thermobearing as tb
-    from thermobearing.results import drawing
-
-    ambient = [23, -20]
-    result = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", ambient=ambient)
-    colours = drawing.ambient_colours(np.array(ambient, dtype=float))
-    title = "The same bridge in the same earthquake"
-    figure, (loops, moments) = drawing.panels(1, 2, (8.4, 3.4), title)
-    for run, colour in enumerate(colours):
-        history = result.history(run)
-        look = {"color": colour, "linewidth": 1.0, "label": f"{ambient[run]} °C"}
-        loops.plot(history["displacement_mm"], history["force_kN"], **look)
-        shaken = history["time_s"].between(8.0, 20.0)
-        moment = history["pier_moment_kN_m"][shaken] / 1e3
-        moments.plot(history["time_s"][shaken], moment, **look)
-    drawing.name_axes(loops, "bearing displacement [mm]", "bearing force [kN]")
-    drawing.name_axes(moments, "time [s]", "moment at the pier base [MN m]")
-    loops.legend(fontsize=drawing.SMALL, frameon=False)
-    drawing.save_figure(figure, path, dpi=110)
-
-
-def draw() -> None:
-    """Draw the figures of README and guides."""
-    import thermobearing as tb
-    from thermobearing.design.figures import draw_bounds, draw_scale
-    from thermobearing.results.drawing import save_figure
-
-    result = tb.run("shen-hdr-specimen", tb.cyclic_test(), ambient=[-20.0, 0.0, 23.0])
-    (DOCS / "figures").mkdir(exist_ok=True)
-    save_figure(result.plot.loops(), DOCS / "figures" / "loops.png", dpi=110)
-    bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
-    study = tb.bridge(bearings, ["jra-i-i-1", "jra-ii-i-1"], [23.0, 0.0, -20.0])
-    bearing = tb.load_bearing("shen-hdr-bridge")
-    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    title = "shen-hdr-bridge: bounds (bars), coupled (dots)"
-    figure = draw_bounds(tb.bounds_study(bearing, motions), title)
-    save_figure(figure, DOCS / "figures" / "bounds.png", dpi=80)
-    lead = tb.load_bearing("shen-lhdr-bridge")
-    _, results = scale_study(lead)
-    save_figure(draw_scale(lead, results), DOCS / "figures" / "scale.png", dpi=80)
-    save_figure(study.plot.loops(), DOCS / "figures" / "bridge.png", dpi=110)
-    draw_cold(DOCS / "figures" / "cold.png")
-
-
-def draw_guides() -> None:
-    """Draw the sketch of the default bridge, and the pictures of the how-tos by their blocks."""
-    import thermobearing as tb
-    from thermobearing.results.drawing import save_figure
-
-    sketch.draw_pier(DOCS / "figures" / "pier_p1.png")
-    plan = tb.examine_structure("five-span-bridge").plot.plan()
-    save_figure(plan, DOCS / "figures" / "five_span_bridge_plan.png", dpi=110)
-    pages = [str(path) for path in sorted((DOCS / "guide").glob("*.md"))]
-    command = [sys.executable, "-m", "docs.builder.outputs", "--figures", *pages]
-    subprocess.run(command, check=True, cwd=DOCS.parent)
 
 
 def main() -> None:
@@ -499,10 +552,15 @@ def main() -> None:
         "generated texts; this takes half an hour or more.",
     )
     parser.add_argument("--texts-only", action="store_true", help="write the generated texts only")
-    parser.add_argument("--guides", action="store_true", help="draw the figures of guides only")
+    parser.add_argument(
+        "--pictures",
+        nargs="*",
+        metavar="NAME.png",
+        help="draw only the pictures of docs/figures: those named, or all",
+    )
     options = parser.parse_args()
-    if options.guides:
-        draw_guides()
+    if options.pictures is not None:
+        pictures.draw_pictures(options.pictures)
         return
     if not options.texts_only:
         environment = os.environ | {"THERMOBEARING_MEASURED": str(MEASURED)}
@@ -513,21 +571,14 @@ def main() -> None:
         subprocess.run(bench, check=True, cwd=DOCS.parent)
         fill_tables()
         cold_town()
-        draw()
-        draw_guides()
-        subprocess.run([sys.executable, str(DOCS / "contact.py")], check=True)
-        loops = ["-m", "benchmarks.small_loops", "--figure", str(DOCS / "figures/small_loops.png")]
-        subprocess.run([sys.executable, *loops], check=True, cwd=DOCS.parent)
-        for name in ("opensees_lead", "opensees_pier", "takeda"):
-            figure = ["-m", f"benchmarks.{name}_figure", str(DOCS / f"figures/{name}.png")]
-            subprocess.run([sys.executable, *figure], check=True, cwd=DOCS.parent)
+        pictures.draw_pictures()
     write_texts()
 
 
 def write_texts() -> None:
     """Write every page that is generated, and every generated part of the others."""
     for path, text in generated_texts().items():
-        path.write_text(text, encoding="utf-8")
+        path.write_text(text, encoding="utf-8", newline="\n")
 
 
 def generated_texts() -> dict[Path, str]:
@@ -535,25 +586,27 @@ def generated_texts() -> dict[Path, str]:
     measured, bench = load(MEASURED), load(BENCH)
     pages = {
         name: (DOCS / f"{name}.md").read_text(encoding="utf-8")
-        for name in ("architecture", "comparison_with_shen", "nomenclature")
+        for name in ("comparison_with_shen", "nomenclature")
     }
-    found = {
+    texts = {
         README: readme_text(README.read_text(encoding="utf-8"), measured),
         DOCS / "verification.md": verification_text(measured, bench),
-        DOCS / "architecture.md": architecture_text(pages["architecture"]),
-        DOCS / "comparison_with_shen.md": between(
-            pages["comparison_with_shen"], "counts", counts_table()
-        ),
+        DOCS / "comparison_with_shen.md": comparison_text(pages["comparison_with_shen"]),
         DOCS / "nomenclature.md": between(pages["nomenclature"], "columns", quantities_table()),
-        APPENDIX / "measured.md": measured_text(measured, bench),
-        APPENDIX / "coverage.md": coverage_text(coverage_items()),
-        APPENDIX / "reproduction.md": reproduction_text(),
     }
+    tables: dict[str, str] = {}
+    texts[APPENDIX / "measured.md"], files = measured_texts(measured, bench)
+    tables |= files
+    texts[APPENDIX / "reproduction.md"], files = reproduction_texts()
+    tables |= files
+    texts[APPENDIX / "coverage.md"], tables["coverage.csv"] = coverage_texts(coverage_items())
+    texts[APPENDIX / "modules.md"], tables["modules.csv"] = modules_texts()
+    texts |= {APPENDIX / name: text for name, text in tables.items()}
     pages_of_files = sorted((DOCS / "files").glob("*.md"))
-    found |= {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
-    found[DESCRIPTIONS] = descriptions_text(MADE)
+    texts |= {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
+    texts[DESCRIPTIONS] = descriptions_text(COMMAND_FIELDS)
     bearing = DOCS / "files" / "bearing.md"
-    return found | {bearing: between(found[bearing], "laws", laws_table())}
+    return texts | {bearing: between(texts[bearing], "laws", laws_table())}
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import numpy as np
 
 import thermobearing as tb
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.core import lead_ends, march, numbers, plane, step
+from thermobearing.core import axial, lead_ends, march, numbers, plane, step
 from thermobearing.core.compiled.faces import Compiled, Description, compile_face, is_for_pages
 from thermobearing.core.compiled.kernel import Kernel
 from thermobearing.core.compiled.sources import sources_digest
@@ -33,7 +33,7 @@ from thermobearing.structure.run import Line, prepare_structure, run_structure
 
 BEARING = "shen-lhdr-bridge"
 MODULES = (
-    *(loop, lead_ends, lead_impedance, march, numbers, plane, step),
+    *(axial, loop, lead_ends, lead_impedance, march, numbers, plane, step),
     *(forces, newmark, predictor, spectrum),
 )
 
@@ -51,6 +51,8 @@ def all_kernels() -> list[Kernel]:
 def _run_everything() -> None:
     result = tb.run(BEARING, tb.cyclic_test(strain=[0.5], cycles=1, dt=0.5), ambient=-20.0)
     assert len(result.cycles)
+    short = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.5)
+    tb.run(BEARING, short, ambient=-20.0, axial_force=100.0, axial="constant")
     tb.bridge(BEARING, "jra-ii-i-1", -20.0, duration=0.05)
     tb.hybrid(BEARING, ambient=-20.0, duration=0.05, laboratory={"mode": "pd"})
     motion = motion_from_arrays(100.0 * np.arange(5.0), unit="gal", dt=0.01)

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from reproduction.measures import evaluate, words
+from reproduction.records import Needs, missing, record_words
 from reproduction.runs import PRINTED, WAVES, Runs, load_data
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.schema import Strict
@@ -65,8 +66,8 @@ class Within(Strict):
 
     @classmethod
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        both = ("per_cent" in given) == ("absolute" in given)
-        return ["give either per_cent or absolute"] if both else []
+        both_or_neither = ("per_cent" in given) == ("absolute" in given)
+        return ["give either per_cent or absolute"] if both_or_neither else []
 
 
 class Comparison(Strict):
@@ -118,20 +119,38 @@ class NeedsTestData(Strict):
 Rule = Annotated[Within | Trend | Order | Limit | NeedsTestData, Field(discriminator="kind")]
 
 
+class Measured(Needs):
+    """How records of the tests judge a statement: the records, an expression and its rule.
+
+    `assumes` is what the rule takes for the words of Shen (2023), where these have no number.
+    """
+
+    computed: Words
+    rule: Annotated[Within | Trend | Order | Limit, Field(discriminator="kind")]
+    assumes: str = ""
+
+
 class Claim(Strict):
     """One checkable statement or number of Shen (2023).
 
-    `computed` is an expression (see `measures`), none where test data are needed; `echoes` says
-    that it is an input or an identity, which no result can change. `flips` are symbols of
-    `parameters.toml` that may flip the verdict, `reach` how far they are changed [%], `depends` why
-    5 % more K_r does not flip it. `figure` is the name of the figure that shows it, "fig_3_07".
+    `computed` is an expression (see `measures`), none where test data are needed; `measured` is how
+    these judge it where they are given. `echoes` says that it is an input or an identity, which no
+    result can change. `flips` are symbols of `parameters.toml` that may flip the verdict, `reach`
+    how far they are changed [%], `depends` why 5 % more K_r does not flip it. `figure` is the name
+    of the figure that shows it, "fig_3_07".
+    A statement that is contradicted states the `fact` in a sentence, which statements of the same
+    fact share, or why it is no fact (`aside`): a misprint, a statement that another place of the
+    dissertation contradicts, or another reading of a choice that it states twice.
     """
 
     id: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]*$", max_length=80)]
     place: Words
     statement: Words
+    fact: Words | None = None
+    aside: Literal["misprint", "self-contradiction", "second reading"] | None = None
     computed: Words | None = None
     rule: Rule
+    measured: Measured | None = None
     echoes: bool = False
     flips: tuple[str, ...] = ()
     depends: str = ""
@@ -142,8 +161,12 @@ class Claim(Strict):
     def _conflicts(cls, given: dict[str, Any]) -> list[str]:
         rule = given.get("rule")
         kind = rule.get("kind") if isinstance(rule, dict) else getattr(rule, "kind", None)
-        both = (kind == "needs-test-data") == ("computed" in given)
-        return ["give computed, or a rule of kind needs-test-data"] if both else []
+        needs = kind == "needs-test-data"
+        faults = ["give computed, or a rule of kind needs-test-data"]
+        faults = faults if needs == ("computed" in given) else []
+        if "measured" in given and not needs:
+            faults.append("measured belongs to a rule of kind needs-test-data")
+        return faults
 
 
 class _Claims(Strict):
@@ -156,11 +179,16 @@ def load_claims(part: str | None = None) -> tuple[Claim, ...]:
     if part is not None and part not in PARTS:
         raise InputError(f'no part is called "{part}"{nearest(part, PARTS)}', "claims")
     files = PARTS if part is None else (part,)
-    found = [claim for name in files for claim in load_data(_Claims, f"{name}.toml").claim]
-    names = [claim.id for claim in found]
+    claims = [claim for name in files for claim in load_data(_Claims, f"{name}.toml").claim]
+    names = [claim.id for claim in claims]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InputError([f'id "{name}" is there twice' for name in twice], "claims")
-    return tuple(found)
+    return tuple(claims)
+
+
+def record_needs() -> dict[str, Needs]:
+    """Return which records judge claims that need test data, by the id of the claim."""
+    return {claim.id: claim.measured for claim in load_claims() if claim.measured}
 
 
 @cache
@@ -197,9 +225,9 @@ def judge(rule: Rule, computed: ArrayLike) -> Verdict:
     if not numbers.size or not np.isfinite(numbers).all():
         return Verdict(FAILED, "failed: what was computed is not a number")
     if isinstance(rule, Within):
-        return _near(rule, numbers)
+        return _judge_within(rule, numbers)
     if isinstance(rule, Limit):
-        return _compared(rule, _margins(rule, numbers), numbers)
+        return _judge_comparison(rule, _margins(rule, numbers), numbers)
     if numbers.ndim == 0 or numbers.shape[-1] < 2:
         return Verdict(FAILED, "failed: one number has no order")
     if isinstance(rule, Order) and numbers.shape[-1] != len(rule.names):
@@ -207,32 +235,38 @@ def judge(rule: Rule, computed: ArrayLike) -> Verdict:
     falls = isinstance(rule, Order) or rule.direction == "falls"
     steps = np.diff(numbers, axis=-1) * (-1.0 if falls else 1.0)
     size = np.maximum(np.abs(numbers[..., 1:]), np.abs(numbers[..., :-1]))
-    return _compared(rule, _relative(steps, size), numbers)
+    return _judge_comparison(rule, _relative(steps, size), numbers)
 
 
 def judge_motions(verdict: Verdict, others: Sequence[Verdict]) -> Verdict:
     """Return the verdict on one stand-in, or that the motion decides, by verdicts on others."""
-    for other in others:
-        same = (other.settled, other.kind == CLOSE) == (verdict.settled, verdict.kind == CLOSE)
-        if not same and other.kind != FAILED:
-            text = f"{UNDECIDED}: {verdict.words}; {other.words} with another stand-in"
+    for alternative in others:
+        same = (alternative.settled, alternative.kind == CLOSE) == (
+            verdict.settled,
+            verdict.kind == CLOSE,
+        )
+        # A run that fails with another wave says nothing about the statement.
+        if not same and alternative.kind != FAILED:
+            text = f"{UNDECIDED}: {verdict.words}; {alternative.words} with another stand-in"
             return Verdict(UNDECIDED, text)
     return verdict
 
 
-def _near(rule: Within, numbers: Floats) -> Verdict:
+def _judge_within(rule: Within, numbers: Floats) -> Verdict:
     printed = np.asarray(rule.value, dtype=float)
     if printed.shape not in (numbers.shape, ()):
         return Verdict(FAILED, f"failed: {numbers.size} numbers, {printed.size} printed")
     gap = np.abs(numbers - printed)
     if rule.absolute is not None:
-        far, allowed, unit = float(gap.max()), rule.absolute, rule.unit
+        largest_gap, allowed, unit = float(gap.max()), rule.absolute, rule.unit
     else:
-        far, allowed, unit = float((100.0 * gap / np.abs(printed)).max()), rule.per_cent or 0.0, "%"
-    if far <= allowed:
-        near = f"within {_size(far)} {unit}".rstrip() if far > ROUNDING else "to rounding"
-        return Verdict(REPRODUCED, f"reproduced {near}")
-    return Verdict(CONTRADICTED, f"contradicted: {_size(far)} {unit}".rstrip() + " away")
+        largest_gap = float((100.0 * gap / np.abs(printed)).max())
+        allowed, unit = rule.per_cent or 0.0, "%"
+    if largest_gap <= allowed:
+        if largest_gap <= ROUNDING:
+            return Verdict(REPRODUCED, "reproduced to rounding")
+        return Verdict(REPRODUCED, f"reproduced within {_size(largest_gap)} {unit}".rstrip())
+    return Verdict(CONTRADICTED, f"contradicted: {_size(largest_gap)} {unit}".rstrip() + " away")
 
 
 def _relative(gaps: Floats, sizes: Floats) -> Floats:
@@ -242,16 +276,17 @@ def _relative(gaps: Floats, sizes: Floats) -> Floats:
 def _margins(rule: Limit, numbers: Floats) -> Floats:
     """Return how far inside the limits each number is, of the larger of it and the limit."""
     sides = [(limit, sign) for limit, sign in ((rule.above, 1.0), (rule.below, -1.0))]
-    found = [
+    margins = [
         _relative(sign * (numbers - limit), np.maximum(np.abs(numbers), abs(limit)))
         for limit, sign in sides
         if limit is not None
     ]
-    return np.asarray(np.min(found, axis=0))
+    return np.asarray(np.min(margins, axis=0))
 
 
-def _compared(rule: Comparison, margins: Floats, numbers: Floats) -> Verdict:
+def _judge_comparison(rule: Comparison, margins: Floats, numbers: Floats) -> Verdict:
     """Judge relative differences that are positive where the statement holds."""
+    # Differences within the noise count neither for nor against the statement.
     noise = 0.0 if rule.exact else NOISE
     total, good, bad = margins.size, int((margins > noise).sum()), int((margins < -noise).sum())
     same = total - good - bad
@@ -381,8 +416,8 @@ class Row:
     @property
     def smallest(self) -> Flip | None:
         """Return the flip that needs least."""
-        known = [flip for flip in self.flips if flip.change is not None]
-        return min(known, key=lambda flip: abs(flip.change or 0.0), default=None)
+        flips = [flip for flip in self.flips if flip.change is not None]
+        return min(flips, key=lambda flip: abs(flip.change or 0.0), default=None)
 
     @property
     def flip_words(self) -> str:
@@ -403,20 +438,32 @@ def failure(error: Exception) -> str:
 
 def compute(claim: Claim, runs: Runs) -> Floats:
     """Return the numbers of a claim."""
-    return np.asarray(evaluate(claim.computed or "", words(runs)), dtype=float)
+    names = words(runs) | (record_words(claim.measured) if claim.measured else {})
+    return np.asarray(evaluate(claim.computed or "", names), dtype=float)
 
 
 def make_row(claim: Claim, runs: Runs, variants: Variants | None = None) -> Row:
     """Return a claim judged, with its flips if there are `variants` to look among."""
-    if isinstance(claim.rule, NeedsTestData):
-        return Row(claim, judge(claim.rule, ()))
     try:
-        return _made(claim, runs, variants)
+        if isinstance(claim.rule, NeedsTestData):
+            return _judge_by_records(claim, runs)
+        return _judge_claim(claim, runs, variants)
     except Exception as error:  # whatever breaks is the reason of its row
         return Row(claim, Verdict(FAILED, failure(error)))
 
 
-def _made(claim: Claim, runs: Runs, variants: Variants | None) -> Row:
+def _judge_by_records(claim: Claim, runs: Runs) -> Row:
+    """Return a claim that needs test data, judged if the records are there; no flips."""
+    verdict = judge(claim.rule, ())
+    if runs.records is None or claim.measured is None:
+        return Row(claim, verdict)
+    if lacking := missing(claim.measured, runs.records):
+        return Row(claim, Verdict(NEEDS, f"{verdict.words}; {lacking}"))
+    changes = {"computed": claim.measured.computed, "rule": claim.measured.rule}
+    return _judge_claim(claim.model_copy(update=changes), runs, None)
+
+
+def _judge_claim(claim: Claim, runs: Runs, variants: Variants | None) -> Row:
     def judged(changed: Runs) -> Verdict:
         return judge(claim.rule, compute(claim, changed))
 
@@ -424,13 +471,15 @@ def _made(claim: Claim, runs: Runs, variants: Variants | None) -> Row:
     computed = compute(claim, runs)
     verdict = judge(claim.rule, computed)
     if runs.shaken and verdict.kind != FAILED:
-        others = [judged(runs.varied(moved_on=k)) for k in range(1, WAVES)]
-        verdict = judge_motions(verdict, others)
+        # Other waves of the same spectrum: a verdict that they change is one on the motion.
+        alternatives = [judged(runs.varied(moved_on=k)) for k in range(1, WAVES)]
+        verdict = judge_motions(verdict, alternatives)
     if claim.echoes and verdict.kind == REPRODUCED:
         verdict = Verdict(ECHOES, f"{ECHOES}: {verdict.words}")
     row = Row(claim, verdict, computed.tolist(), printed=_as_printed(claim, judged, runs))
     if variants is None or not verdict.settled:
         return row
+    # A verdict that a stiffer rubber leaves as it is must say what it depends on instead.
     stiffer = judged(variants.runs(SYMBOL, MORE)).settled
     if stiffer and not claim.depends:
         verdict = Verdict(FAILED, "failed: stands 5 % more K_r and does not say why")
@@ -490,8 +539,10 @@ def rule_words(rule: Rule) -> str:
         return "measurements of Shen (2023)"
     if isinstance(rule, Within):
         printed = ", ".join(map(_number_words, np.atleast_1d(np.asarray(rule.value, dtype=float))))
-        near = f"{rule.per_cent:g} %" if rule.per_cent else f"{rule.absolute:g} {rule.unit}".strip()
-        return f"{printed} {rule.unit}".strip() + f" within {near}"
+        tolerance = (
+            f"{rule.per_cent:g} %" if rule.per_cent else f"{rule.absolute:g} {rule.unit}".strip()
+        )
+        return f"{printed} {rule.unit}".strip() + f" within {tolerance}"
     if isinstance(rule, Limit):
         sides = (("above", rule.above), ("below", rule.below))
         text = " and ".join(f"{n} {_number_words(v)}" for n, v in sides if v is not None)

@@ -67,7 +67,7 @@ class Row(NamedTuple):
 def load_figures() -> dict[str, Row]:
     """Return the rows of `figures.toml` by number, in the order of the dissertation."""
     table: Any = read_toml(DATA / "figures.toml")
-    found = {}
+    rows = {}
     for number, row in table["figures"].items():
         run = [table["runs"].get(row.get("run")), row.get("detail")]
         sentences = [
@@ -77,8 +77,8 @@ def load_figures() -> dict[str, Row]:
             *(table["notes"][note] for note in row.get("notes", ())),
             row.get("remark", ""),
         ]
-        found[number] = Row(number, " ".join(sentences).rstrip(), row["draw"])
-    return found
+        rows[number] = Row(number, " ".join(sentences).rstrip(), row["draw"])
+    return rows
 
 
 def figure_words(runs: Runs) -> dict[str, Any]:
@@ -88,9 +88,10 @@ def figure_words(runs: Runs) -> dict[str, Any]:
         bearing: str | Sequence[str], mode: str | Sequence[str] = MODES, model: str = MULTI
     ) -> EarthquakeResult:
         """Return hybrid tests at 23, 0 and -20 degC; all twelve are run together, once."""
+        # All figures of hybrid tests share these twelve runs.
         kept = ("rubber", "cells")
-        made = runs.hybrid(SPECIMENS, AMBIENT, MODES, HYBRID_MOTION, keep=kept, model=model)
-        return made.sel(bearing=bearing, mode=mode)
+        results = runs.hybrid(SPECIMENS, AMBIENT, MODES, HYBRID_MOTION, keep=kept, model=model)
+        return results.sel(bearing=bearing, mode=mode)
 
     def bridge_tests(bearing: str) -> EarthquakeResult:
         """Return pier P1 under the four motions at 23, 0 and -20 degC."""
@@ -102,13 +103,22 @@ def figure_words(runs: Runs) -> dict[str, Any]:
 
     def both_models(bearing: str, mode: str) -> EarthquakeResult:
         """Return the hybrid tests of a bearing, compared with those of a single temperature."""
-        found = {model: hybrid_tests(bearing, mode, model) for model in (MULTI, SINGLE)}
-        return EarthquakeResult(found[MULTI].dataset, found)
+        results = {model: hybrid_tests(bearing, mode, model) for model in (MULTI, SINGLE)}
+        return EarthquakeResult(results[MULTI].dataset, results)
 
-    own = (hybrid_tests, bridge_tests, bilinear_tests, both_models, run_design, make_design_case)
+    run_functions = (
+        hybrid_tests,
+        bridge_tests,
+        bilinear_tests,
+        both_models,
+        run_design,
+        make_design_case,
+    )
     drawn = (draw_both_modes, draw_bars, draw_over_bilinear, draw_ground, draw_measures)
-    found: dict[str, Any] = {f.__name__: f for f in (*own, *drawn, draw_ratios, draw_bilinear)}
-    return words(runs) | found | {"runs": runs}
+    functions: dict[str, Any] = {
+        f.__name__: f for f in (*run_functions, *drawn, draw_ratios, draw_bilinear)
+    }
+    return words(runs) | functions | {"runs": runs}
 
 
 def draw_both_modes(
@@ -119,15 +129,20 @@ def draw_both_modes(
     ambients = sorted(set(table["ambient_degC"]))
     figure, axes = drawing.panels(len(ambients), 1, (drawing.WIDEST, 5.2), title, share=True)
     for ax, ambient in zip(axes, ambients, strict=True):
-        mine = table[table["ambient_degC"] == ambient]
+        rows = table[table["ambient_degC"] == ambient]
         colours, peaks = [], []
-        for run, mode in zip(mine.index.to_numpy(), mine["mode"], strict=True):
-            known = np.isfinite(result["time"].values[run])
-            values = factor * result[variable].values[run][known].astype(float)
-            kept = drawing.thin(values, BINS)
-            look = MODE_LOOKS[mode]
-            ax.plot(result["time"].values[run][known][kept], values[kept], linewidth=0.9, **look)
-            colours.append(look["color"])
+        for run, mode in zip(rows.index.to_numpy(), rows["mode"], strict=True):
+            recorded = np.isfinite(result["time"].values[run])
+            values = factor * result[variable].values[run][recorded].astype(float)
+            samples = drawing.thin(values, BINS)
+            style = MODE_LOOKS[mode]
+            ax.plot(
+                result["time"].values[run][recorded][samples],
+                values[samples],
+                linewidth=0.9,
+                **style,
+            )
+            colours.append(style["color"])
             peaks.append(f"{factor * float(result[f'{variable}_max'][run]):.3g}")
         ax.margins(y=0.2)
         drawing.note_values(ax, "largest", peaks, colours)
@@ -161,14 +176,14 @@ def draw_bars(
     """Draw one panel for each column (with label and factor), one group of bars for each motion."""
     table, colours = result.table, dict(reversed(_ambients(result).items()))
     motions = list(dict.fromkeys(table["motion"]))
-    wide, size = GROUP / len(colours), (drawing.WIDEST, HEIGHT * len(shown) + 0.6)
+    bar_width, size = GROUP / len(colours), (drawing.WIDEST, HEIGHT * len(shown) + 0.6)
     figure, axes = drawing.panels(len(shown), 1, size, title)
     for ax, (column, label, factor) in zip(axes, shown, strict=True):
         for place, (ambient, colour) in enumerate(colours.items()):
-            mine = table[table["ambient_degC"] == ambient].set_index("motion")
-            values = factor * mine.loc[motions, column].to_numpy(dtype=float)
-            at = np.arange(len(motions)) + wide * (place - 0.5 * (len(colours) - 1))
-            _bars(ax, at, values, 0.92 * wide, colour)
+            rows = table[table["ambient_degC"] == ambient].set_index("motion")
+            values = factor * rows.loc[motions, column].to_numpy(dtype=float)
+            positions = np.arange(len(motions)) + bar_width * (place - 0.5 * (len(colours) - 1))
+            _bars(ax, positions, values, 0.92 * bar_width, colour)
         if column == "pier_ductility":
             drawing.mark_tested(ax, 1.0, "yields")
         ax.set_ylim(0.0, 1.12 * ax.get_ylim()[1])
@@ -195,13 +210,15 @@ def draw_over_bilinear(result: EarthquakeResult, designed: EarthquakeResult) -> 
     size = (drawing.WIDEST, 2.7 * rows + 0.9)
     figure, axes = drawing.panels(rows, COLUMNS, size, title, share=True)
     for panel, (ax, motion) in enumerate(zip(axes, motions, strict=False)):
-        mine = table[table["motion"] == motion].set_index("ambient_degC", append=True)
-        places = {ambient: int(run) for run, ambient in mine.index}
+        group = table[table["motion"] == motion].set_index("ambient_degC", append=True)
+        places = {ambient: int(run) for run, ambient in group.index}
         for ambient, colour in reversed(colours.items()):
             _path(ax, result, places[ambient], {"color": colour, "linewidth": 0.9})
-        of = designed.table
-        chosen = of[(of["bearing"] == BILINEAR) & (of["motion"] == motion)]
-        for run in chosen.index.to_numpy()[:1]:
+        designed_runs = designed.table
+        bilinear_runs = designed_runs[
+            (designed_runs["bearing"] == BILINEAR) & (designed_runs["motion"] == motion)
+        ]
+        for run in bilinear_runs.index.to_numpy()[:1]:
             _path(ax, designed, int(run), BLACK)
         foot, side = panel // COLUMNS == rows - 1, panel % COLUMNS == 0
         x, y = "displacement [mm]" if foot else "", "force of one bearing [kN]" if side else ""
@@ -215,11 +232,11 @@ def draw_over_bilinear(result: EarthquakeResult, designed: EarthquakeResult) -> 
 
 def _path(ax: Axes, result: EarthquakeResult, run: int, look: drawing.Look) -> None:
     """Draw the force of one run against its displacement."""
-    known = np.isfinite(result["time"].values[run])
-    x = result["bearing_displacement"].values[run][known].astype(float)
-    y = result["bearing_force"].values[run][known].astype(float)
-    kept = drawing.thin_loops(x, y, max(np.ptp(x), 1e-9), max(np.ptp(y), 1e-9))
-    ax.plot(x[kept], y[kept], **look)
+    recorded = np.isfinite(result["time"].values[run])
+    x = result["bearing_displacement"].values[run][recorded].astype(float)
+    y = result["bearing_force"].values[run][recorded].astype(float)
+    samples = drawing.thin_loops(x, y, max(np.ptp(x), 1e-9), max(np.ptp(y), 1e-9))
+    ax.plot(x[samples], y[samples], **look)
 
 
 def draw_ground(names: Sequence[str], title: str) -> Figure:
@@ -229,12 +246,12 @@ def draw_ground(names: Sequence[str], title: str) -> Figure:
     for ax, name in zip(axes, names, strict=True):
         motion = load_motion(name)
         gal = motion.acceleration / MM_S2_PER_GAL
-        kept = drawing.thin(gal, BINS)
-        ax.plot(motion.time[kept], gal[kept], color=MOTION_COLOUR, linewidth=0.7)
+        samples = drawing.thin(gal, BINS)
+        ax.plot(motion.time[samples], gal[samples], color=MOTION_COLOUR, linewidth=0.7)
         peak = int(np.abs(gal).argmax())
-        known = f"{gal[peak]:.0f} gal at {motion.time[peak]:.2f} s"
+        peak_text = f"{gal[peak]:.0f} gal at {motion.time[peak]:.2f} s"
         ax.margins(y=0.15)
-        drawing.note_values(ax, "largest", [known], [MOTION_COLOUR])
+        drawing.note_values(ax, "largest", [peak_text], [MOTION_COLOUR])
         drawing.name_axes(ax, "time [s]" if name == names[-1] else "", "acceleration [gal]")
     drawing.head_grid(axes, [""], list(names))
     return figure
@@ -248,8 +265,8 @@ def draw_measures(
     for ax, (column, label) in zip(axes, shown, strict=True):
         for place, (model, result) in enumerate(results.items()):
             loops = result.largest_loops.sort_values("ambient_degC")
-            at = np.arange(len(loops)) + 0.4 * (place - 0.5)
-            _bars(ax, at, loops[column].to_numpy(), 0.36, COLOURS[model])
+            positions = np.arange(len(loops)) + 0.4 * (place - 0.5)
+            _bars(ax, positions, loops[column].to_numpy(), 0.36, COLOURS[model])
             ax.set_xticks(range(len(loops)), [drawing.degrees(t) for t in loops["ambient_degC"]])
         ax.set_ylim(0.0, 1.12 * ax.get_ylim()[1])
         drawing.name_axes(ax, "ambient", label)
@@ -277,26 +294,26 @@ def draw_ratios(results: Mapping[str, EarthquakeResult], title: str) -> Figure:
 
 def _determination(results: Mapping[str, EarthquakeResult], run: int) -> float:
     """Return R2 of the force (Eq. 4.38) with the multi-layer model in place of the test."""
-    known = np.isfinite(results[MULTI]["time"].values[run])
-    force = [results[name]["bearing_force"].values[run][known] for name in (MULTI, SINGLE)]
-    expected, found = (values.astype(float) for values in force)
-    return float(1.0 - ((found - expected) ** 2).sum() / ((expected - expected.mean()) ** 2).sum())
+    recorded = np.isfinite(results[MULTI]["time"].values[run])
+    force = [results[name]["bearing_force"].values[run][recorded] for name in (MULTI, SINGLE)]
+    expected, single = (values.astype(float) for values in force)
+    return float(1.0 - ((single - expected) ** 2).sum() / ((expected - expected.mean()) ** 2).sum())
 
 
 def draw_bilinear(runs: Runs) -> Figure:
     """Draw the bilinear model of Table 6.3, and that which follows from K_B and h_B."""
     end, printed = runs.number("u_B"), load_bilinear(BILINEAR)
     table = (printed.strength, printed.initial_stiffness, printed.post_yield_stiffness)
-    made = bilinear_of_g8(runs)
-    k_b = made[0] / end + made[2]
+    computed = bilinear_of_g8(runs)
+    k_b = computed[0] / end + computed[2]
     figure, (ax,) = drawing.panels(1, 1, (6.0, 4.2), "bilinear model of the design")
-    shown = (("Table 6.3", "#0072B2", table), ("from K_B and h_B", "#D55E00", made))
-    for name, colour, (q, k1, k2) in shown:
-        known = f"{name}: Q_d {q:.1f} kN, K_1 {k1:.2f}, K_2 {k2:.2f} kN/mm"
-        ax.plot(*_bilinear_loop(q, k1, k2, end), color=colour, linewidth=1.3, label=known)
-    known = f"K_B = {k_b:.3f} kN/mm at {end:g} mm"
-    look: drawing.Look = {"color": drawing.GREY, "linestyle": "--", "linewidth": 1.0}
-    ax.plot([-end, end], [-k_b * end, k_b * end], label=known, **look)
+    models = (("Table 6.3", "#0072B2", table), ("from K_B and h_B", "#D55E00", computed))
+    for name, colour, (q, k1, k2) in models:
+        label = f"{name}: Q_d {q:.1f} kN, K_1 {k1:.2f}, K_2 {k2:.2f} kN/mm"
+        ax.plot(*_bilinear_loop(q, k1, k2, end), color=colour, linewidth=1.3, label=label)
+    label = f"K_B = {k_b:.3f} kN/mm at {end:g} mm"
+    style: drawing.Look = {"color": drawing.GREY, "linestyle": "--", "linewidth": 1.0}
+    ax.plot([-end, end], [-k_b * end, k_b * end], label=label, **style)
     drawing.name_axes(ax, "displacement [mm]", "force [kN]")
     ax.legend(fontsize=drawing.SMALL, frameon=False, loc="upper left")
     return figure

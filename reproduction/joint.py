@@ -101,13 +101,13 @@ def load_joint() -> Joint:
 
 def all_tables(_runs: Runs) -> dict[str, pd.DataFrame]:
     """Return sets of both studies, what each choice does, and statements that no set meets."""
-    found, joint = {}, load_joint()
+    tables, joint = {}, load_joint()
     for study in get_args(Study):
         table = search(joint, study)
-        found[f"joint_{study}"] = table
-        found[f"joint_{study}_choices"] = weights(joint, study, table)
-        found[f"joint_{study}_conflicts"] = conflicts(joint, study, table)
-    return found
+        tables[f"joint_{study}"] = table
+        tables[f"joint_{study}_choices"] = weights(joint, study, table)
+        tables[f"joint_{study}_conflicts"] = conflicts(joint, study, table)
+    return tables
 
 
 def search(joint: Joint, study: Study) -> pd.DataFrame:
@@ -121,10 +121,10 @@ def search(joint: Joint, study: Study) -> pd.DataFrame:
     sets, statements = joint.sets(study), joint.statements(study)
     rows = []
     for chosen in sets:
-        met, numbers, why = judge_set(maker, chosen, statements)
+        met, numbers, reason = judge_set(maker, chosen, statements)
         changed = sum(chosen[name] != sets[0][name] for name in chosen)
         counts = {"met": sum(met.values()), "of": len(met), "changed": changed}
-        rows.append({**chosen, **counts, **met, **numbers, "why": why})
+        rows.append({**chosen, **counts, **met, **numbers, "why": reason})
     table = pd.DataFrame(rows)
     order = ["met", "changed"]
     return table.sort_values(order, ascending=[False, True], kind="stable", ignore_index=True)
@@ -157,8 +157,8 @@ def conflicts(joint: Joint, study: Study, table: pd.DataFrame) -> pd.DataFrame:
         for name in names
     ]
     for first, second in combinations(names, 2):
-        together = (table[first] & table[second]).any()
-        if not together and table[first].any() and table[second].any():
+        compatible = (table[first] & table[second]).any()
+        if not compatible and table[first].any() and table[second].any():
             rows.append({"statement": first, "and": second, "met_by": 0, "of": len(table)})
     return pd.DataFrame(rows)
 
@@ -172,11 +172,12 @@ def weights(joint: Joint, study: Study, table: pd.DataFrame) -> pd.DataFrame:
     ran = table[table["why"] == ""]
     rows = []
     for name in names:
-        others = [other for other in names if other != name]
-        met = [group["met"].to_numpy() for _, group in ran.groupby(others)]
-        gaps = [abs(int(a) - int(b)) for found in met for a, b in combinations(found, 2)]
-        mean, most = (float(np.mean(gaps)), max(gaps)) if gaps else (np.nan, 0)
-        rows.append({"choice": name, "pairs": len(gaps), "mean": mean, "most": most})
+        remaining = [label for label in names if label != name]
+        # Sets that differ in this choice alone, and so what it changes by itself.
+        met = [group["met"].to_numpy() for _, group in ran.groupby(remaining)]
+        gaps = [abs(int(a) - int(b)) for counts in met for a, b in combinations(counts, 2)]
+        mean, largest = (float(np.mean(gaps)), max(gaps)) if gaps else (np.nan, 0)
+        rows.append({"choice": name, "pairs": len(gaps), "mean": mean, "most": largest})
     return pd.DataFrame(rows)
 
 
@@ -188,14 +189,14 @@ def weights(joint: Joint, study: Study, table: pd.DataFrame) -> pd.DataFrame:
 def grid(table: pd.DataFrame, column: str, mode: str | None = None) -> Floats:
     """Return a row for each motion, a column for each temperature from warm to cold."""
     rows = table if mode is None else table[table["mode"] == mode]
-    found = rows.pivot(index="motion", columns="ambient_degC", values=column)
-    return found[sorted(found.columns, reverse=True)].to_numpy(dtype=float)
+    values = rows.pivot(index="motion", columns="ambient_degC", values=column)
+    return values[sorted(values.columns, reverse=True)].to_numpy(dtype=float)
 
 
 def colder(table: pd.DataFrame, column: str, mode: str | None = None) -> Floats:
     """Return each temperature over the warmer one before."""
-    found = grid(table, column, mode)
-    return (found[:, 1:] / found[:, :-1]).ravel()
+    values = grid(table, column, mode)
+    return (values[:, 1:] / values[:, :-1]).ravel()
 
 
 def modes(table: pd.DataFrame, column: str) -> Floats:
@@ -240,8 +241,8 @@ class Bridges:
         motions = [f"jra-{kind}-i-{number}" for kind in ("i", "ii") for number in numbers]
         key = repr((chosen["rocking"], options, motions, bearing.hysteresis, bearing.name))
         if key not in self._kept:
-            given: dict[str, Any] = {"structure": pier, "dt": STEP, "keep": KEPT} | options
-            self._kept[key] = whole_runs(bridge(bearing, motions, list(AMBIENT), **given))
+            settings: dict[str, Any] = {"structure": pier, "dt": STEP, "keep": KEPT} | options
+            self._kept[key] = whole_runs(bridge(bearing, motions, list(AMBIENT), **settings))
         return self._kept[key]
 
 
@@ -263,9 +264,9 @@ class Hybrids:
         cores = bearing.lead.cores if bearing.lead else 0
         key = repr(([chosen[k] for k in ("bearings", "damping", "motion")], bearing.name, cores))
         if key not in self._kept:
-            given: dict[str, Any] = {"structure": pier, "damping": chosen["damping"]}
-            given |= {"laboratory": {"mode": list(MODES)}, "duration": SECONDS, "keep": KEPT}
-            study = hybrid(bearing, chosen["motion"], list(AMBIENT), **given)
+            settings: dict[str, Any] = {"structure": pier, "damping": chosen["damping"]}
+            settings |= {"laboratory": {"mode": list(MODES)}, "duration": SECONDS, "keep": KEPT}
+            study = hybrid(bearing, chosen["motion"], list(AMBIENT), **settings)
             self._kept[key] = whole_runs(study), outer_layer(study)
         return self._kept[key]
 
@@ -301,8 +302,8 @@ def hybrid_pier(words: str) -> Structure:
     """
     pier = load_structure(HYBRID_PIER)
     line, count = pier.bearings[0], int(words.partition(",")[0])
-    each = line.count * line.equivalent_stiffness / count
-    changed = line.model_copy(update={"count": count, "equivalent_stiffness": each})
+    stiffness = line.count * line.equivalent_stiffness / count
+    changed = line.model_copy(update={"count": count, "equivalent_stiffness": stiffness})
     part = count / EIGHT if "share" in words else 1.0
     masses = [
         mass.model_copy(update={"mass": part * mass.mass})
@@ -318,6 +319,6 @@ def outer_layer(study: EarthquakeResult) -> Floats:
     table = study.table
     run = int(table.index[(table["ambient_degC"] == min(AMBIENT)) & (table["mode"] == "rt")][0])
     time = study["time"].values[run]
-    known = np.isfinite(time)
-    outer = study["rubber_temperature"].values[run, known, 0].astype(float)
-    return np.asarray(np.interp(MOMENTS, time[known], outer))
+    recorded = np.isfinite(time)
+    outer = study["rubber_temperature"].values[run, recorded, 0].astype(float)
+    return np.asarray(np.interp(MOMENTS, time[recorded], outer))

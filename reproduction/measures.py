@@ -1,7 +1,8 @@
 """Numbers out of simulations: the words of the expressions of claims and tables.
 
 An expression in `data/*.toml` is Python over the names of `words`: bearings, constants and the
-public functions here and in `misprints`, each called without its first argument, the simulations.
+public functions here, in `misprints` and in `records`, each called without its first argument,
+the simulations.
 Values at several ambient temperatures stand from warm to cold: 23, 0, -20 degC; those of the bridge
 have a row for each of the motions I-I-1, I-I-2, II-I-1, II-I-2.
 """
@@ -15,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from reproduction import misprints
+from reproduction import misprints, records
 from reproduction.runs import (
     AMBIENT,
     BILINEAR,
@@ -45,6 +46,7 @@ from thermobearing.design.factors import scaled_bearing
 from thermobearing.design.sizing import damping_ratio, load_rubber, shear_modulus
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.element import BearingElement
+from thermobearing.model.options import ModelOptions
 from thermobearing.model.stack import EndFace, Stack, build_stack
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.results.metrics import CycleMeasures
@@ -99,24 +101,24 @@ def at_rest(runs: Runs, bearing: str, ambient: Sequence[float] = AMBIENT) -> Flo
 
 def with_law(runs: Runs, bearing: str, **law: float) -> Bearing:
     """Return a bearing with other numbers of its rubber's hysteresis."""
-    found = runs.bearing(bearing)
-    return found.model_copy(update={"hysteresis": found.hysteresis.model_copy(update=law)})
+    original = runs.bearing(bearing)
+    return original.model_copy(update={"hysteresis": original.hysteresis.model_copy(update=law)})
 
 
-def _found(runs: Runs, bearing: str | Bearing) -> Bearing:
+def _as_bearing(runs: Runs, bearing: str | Bearing) -> Bearing:
     return runs.bearing(bearing) if isinstance(bearing, str) else bearing
 
 
 def loops(runs: Runs, bearing: str | Bearing) -> list[CycleMeasures]:
     """Return the third cycle of 175 % without heating, at each temperature."""
-    found = _found(runs, bearing)
-    return [isothermal_cycle(found, DESIGN_STRAIN, temperature=at) for at in AMBIENT]
+    device = _as_bearing(runs, bearing)
+    return [isothermal_cycle(device, DESIGN_STRAIN, temperature=ambient) for ambient in AMBIENT]
 
 
 def design_loop(runs: Runs, bearing: str | Bearing) -> CycleMeasures:
     """Return the cycle of the design displacement without heating, 23 degC."""
-    found = _found(runs, bearing)
-    return isothermal_cycle(found, runs.number("u_B") / found.total_rubber_thickness)
+    device = _as_bearing(runs, bearing)
+    return isothermal_cycle(device, runs.number("u_B") / device.total_rubber_thickness)
 
 
 def bilinear_of_g8(runs: Runs) -> tuple[float, ...]:
@@ -125,8 +127,8 @@ def bilinear_of_g8(runs: Runs) -> tuple[float, ...]:
     rubber, strain = load_rubber("G8"), end / thickness
     stiffness = shear_modulus(rubber, strain) * runs.number("A_e") / thickness / 1e3
     ratio = runs.number("K_2") / runs.number("K_1")
-    found = solve_backbone(stiffness, damping_ratio(rubber, strain), end, ratio)
-    return (found.strength, found.initial, found.post_yield) if found else (np.nan,) * 3
+    backbone = solve_backbone(stiffness, damping_ratio(rubber, strain), end, ratio)
+    return (backbone.strength, backbone.initial, backbone.post_yield) if backbone else (np.nan,) * 3
 
 
 # The cyclic test of Table 3.4.
@@ -134,9 +136,9 @@ def bilinear_of_g8(runs: Runs) -> tuple[float, ...]:
 
 def loading(runs: Runs, bearing: str) -> Floats:
     """Return amplitudes [mm], periods [s] and counts of the cycles of Table 3.4, a row each."""
-    thick = runs.bearing(bearing).total_rubber_thickness
+    thickness = runs.bearing(bearing).total_rubber_thickness
     steps = [step for step in cyclic_test().steps if isinstance(step, Cycles)]
-    rows = [(step.size(thick), 4.0 * step.quarters(thick)[0], step.count) for step in steps]
+    rows = [(step.size(thickness), 4.0 * step.quarters(thickness)[0], step.count) for step in steps]
     return np.array(rows, dtype=float).T
 
 
@@ -144,8 +146,8 @@ def cycles(runs: Runs, bearing: str, column: str, cycle: int) -> Floats:
     """Return a measure of one cycle of Table 3.4, a row for each amplitude."""
     table = runs.once(lambda: runs.cyclic(bearing).cycles, "cycles", bearing)
     rows = table[table["cycle"] == cycle]
-    found = rows.pivot(index="amplitude_strain", columns="ambient_degC", values=column)
-    return np.asarray(found[list(AMBIENT)], dtype=float)
+    by_amplitude = rows.pivot(index="amplitude_strain", columns="ambient_degC", values=column)
+    return np.asarray(by_amplitude[list(AMBIENT)], dtype=float)
 
 
 def all_cycles(runs: Runs, bearing: str, column: str) -> Floats:
@@ -175,20 +177,20 @@ def _loadings(result: Result, run: int) -> list[tuple[int, int]]:
 
 def rises(runs: Runs, bearing: str, place: str) -> Floats:
     """Return the largest rise of a layer ("rubber1") or "lead", a row for each amplitude [K]."""
-    result, found = runs.cyclic(bearing), []
+    result, largest_rises = runs.cyclic(bearing), []
     for run, air in enumerate(result["ambient"].values):
         values = _temperature(result, place, run)
-        found.append([values[a : b + 1].max() - air for a, b in _loadings(result, run)])
-    return np.array(found).T
+        largest_rises.append([values[a : b + 1].max() - air for a, b in _loadings(result, run)])
+    return np.array(largest_rises).T
 
 
 def rises_at_ends(runs: Runs, bearing: str, **options: Any) -> Floats:
     """Return the rise at the end of each loading: loading, temperature, layer from outside [K]."""
-    result, found = runs.cyclic(bearing, **options), []
+    result, end_rises = runs.cyclic(bearing, **options), []
     for run, air in enumerate(result["ambient"].values):
         layers = result["rubber_temperature"].values[run]
-        found.append([layers[last] - air for _, last in _loadings(result, run)])
-    return np.swapaxes(np.array(found, dtype=float), 0, 1)
+        end_rises.append([layers[last] - air for _, last in _loadings(result, run)])
+    return np.swapaxes(np.array(end_rises, dtype=float), 0, 1)
 
 
 def loading_speeds(runs: Runs, bearing: str) -> Floats:
@@ -201,12 +203,12 @@ def loading_speeds(runs: Runs, bearing: str) -> Floats:
 
 def left_after_rests(runs: Runs) -> float:
     """Return how far a rubber layer is from the air at most after a rest of 1.25 h [K]."""
-    found = []
+    differences = []
     for result in map(runs.cyclic, SPECIMENS):
         for run, air in enumerate(result["ambient"].values):
             starts = [first for first, _ in _loadings(result, run)[1:]]
-            found.append(np.abs(result["rubber_temperature"].values[run][starts] - air).max())
-    return float(max(found))
+            differences.append(np.abs(result["rubber_temperature"].values[run][starts] - air).max())
+    return float(max(differences))
 
 
 def _after(result: Result, run: int, place: str, moments: Sequence[float]) -> Floats:
@@ -224,22 +226,22 @@ def fall(runs: Runs, bearing: str, place: str) -> Floats:
 
 def first_plunge(runs: Runs) -> Floats:
     """Return the rate of fall in the first 10 s of a rest over that after, layers 1 and 3, HDR."""
-    result, found = runs.cyclic(HDR), []
+    result, ratios = runs.cyclic(HDR), []
     for run in range(len(AMBIENT)):
         for place in ("rubber1", "rubber3"):
             rates = np.diff(_after(result, run, place, PLUNGE)) / np.diff(PLUNGE)
-            found.append(rates[0] / rates[1])
-    return np.array(found)
+            ratios.append(rates[0] / rates[1])
+    return np.array(ratios)
 
 
 def share_lost(runs: Runs) -> Floats:
     """Return the share of the rise that layers 1, 2, 3 lose in a minute after 200 %, HDR."""
-    result, found = runs.cyclic(HDR), []
+    result, shares = runs.cyclic(HDR), []
     for run, air in enumerate(AMBIENT):
         layers = ("rubber1", "rubber2", "rubber3")
         rise = np.array([_after(result, run, name, (0.0, COOLING)) for name in layers]) - air
-        found.append(1.0 - rise[:, 1] / rise[:, 0])
-    return np.array(found)
+        shares.append(1.0 - rise[:, 1] / rise[:, 0])
+    return np.array(shares)
 
 
 def layer_displacements(runs: Runs) -> Floats:
@@ -258,12 +260,12 @@ def rubber_above_steel(runs: Runs) -> Floats:
     count = len(result["part"].values)
     pairs = [(k + side, k) for k in shims for side in (-1, 1) if k + side < count]
     rubber, steel = np.array(pairs).T
-    found = []
+    smallest = []
     for run in range(len(AMBIENT)):
         ends = [last for _, last in _loadings(result, run)]
         cells = result["temperature"].values[run][ends]
-        found.append((cells[:, rubber] - cells[:, steel]).min(axis=1))
-    return np.array(found)
+        smallest.append((cells[:, rubber] - cells[:, steel]).min(axis=1))
+    return np.array(smallest)
 
 
 # Five cycles of 250 % and a rest, LHDR (5.4.1).
@@ -279,19 +281,21 @@ def largest_test(runs: Runs, rest: float = 4500.0) -> Result:
 def largest_cycles(runs: Runs, column: str) -> Floats:
     """Return a measure of the five cycles of 250 %, a row for each temperature, LHDR."""
     table = largest_test(runs).cycles
-    return np.array([table[table["ambient_degC"] == at][column] for at in AMBIENT], dtype=float)
+    return np.array(
+        [table[table["ambient_degC"] == ambient][column] for ambient in AMBIENT], dtype=float
+    )
 
 
 def half_lives(runs: Runs) -> Floats:
     """Return after how long half of the rise is gone, third layer and lead, a row each [s]."""
-    result, found = largest_test(runs), []
+    result, times = largest_test(runs), []
     for run, air in enumerate(AMBIENT):
         segment = result["segment"].values[run]
-        rest = np.flatnonzero(segment == segment.max())
-        clock = result.time(run)[rest] - result.time(run)[rest[0]]
-        parts = [_temperature(result, name, run)[rest] - air for name in ("rubber3", "lead")]
-        found.append([clock[np.argmax(part < 0.5 * part[0])] for part in parts])
-    return np.array(found)
+        samples = np.flatnonzero(segment == segment.max())
+        clock = result.time(run)[samples] - result.time(run)[samples[0]]
+        parts = [_temperature(result, name, run)[samples] - air for name in ("rubber3", "lead")]
+        times.append([clock[np.argmax(part < 0.5 * part[0])] for part in parts])
+    return np.array(times)
 
 
 def lead_rises_by_scheme(runs: Runs) -> Floats:
@@ -299,20 +303,22 @@ def lead_rises_by_scheme(runs: Runs) -> Floats:
     test = full_cycles([2.5], wave="sine", closing_strain=None)
     ends = []
     for scheme in ("conservative", "published"):
-        table = runs.cyclic(LHDR, AMBIENT[1:], test, scheme=scheme, keep=["rubber"]).cycles
+        table = runs.cyclic(
+            LHDR, AMBIENT[1:], test, model=ModelOptions(scheme=scheme), keep=["rubber"]
+        ).cycles
         lead = table[table["cycle"] == 5].set_index("ambient_degC")["lead_degC"]
-        ends.append([lead[at] - at for at in AMBIENT[1:]])
+        ends.append([lead[ambient] - ambient for ambient in AMBIENT[1:]])
     return np.asarray(np.divide(ends[0], ends[1]), dtype=float)
 
 
 def lead_in_rest(runs: Runs) -> Floats:
     """Return the rise of the lead at the end of 250 %, then 60 s and 600 s later [K]."""
-    result, found = largest_test(runs, 900.0), []
+    result, lead_rises = largest_test(runs, 900.0), []
     for run, air in enumerate(AMBIENT):
         time, lead = result.time(run), _temperature(result, "lead", run) - air
         end = float(time[int(np.argmax(lead))])
-        found.append(_at([end, end + 60.0, end + 600.0], time, lead))
-    return np.array(found)
+        lead_rises.append(_at([end, end + 60.0, end + 600.0], time, lead))
+    return np.array(lead_rises)
 
 
 def rise_by_size(runs: Runs) -> float:
@@ -344,8 +350,8 @@ def column(_runs: Runs, result: EarthquakeResult, name: str) -> Floats:
 def _history(result: EarthquakeResult, run: int, name: str) -> tuple[Floats, Floats]:
     """Return time and a history of one run, without what comes after its end."""
     time = np.asarray(result["time"].values[run], dtype=float)
-    known = np.isfinite(time)
-    return time[known], np.asarray(result[name].values[run], dtype=float)[known]
+    recorded = np.isfinite(time)
+    return time[recorded], np.asarray(result[name].values[run], dtype=float)[recorded]
 
 
 # The hybrid tests.
@@ -356,14 +362,14 @@ def both(runs: Runs) -> EarthquakeResult:
     return runs.hybrid(SPECIMENS, mode=MODES)
 
 
-def _mine(runs: Runs, name: str, bearing: str) -> Any:
+def _bearing_rows(runs: Runs, name: str, bearing: str) -> Any:
     table = runs.once(lambda: getattr(both(runs), name), name, "of both")
     return table[table["bearing"] == bearing].sort_values("ambient_degC", ascending=False)
 
 
 def tested(runs: Runs, bearing: str, mode: str, column: str) -> Floats:
     """Return a column of the table of the hybrid tests."""
-    rows = _mine(runs, "table", bearing)
+    rows = _bearing_rows(runs, "table", bearing)
     return np.asarray(rows[rows["mode"] == mode][column], dtype=float)
 
 
@@ -379,12 +385,14 @@ def by_mode(runs: Runs, bearing: str, column: str) -> Floats:
 
 def rises_by_mode(runs: Runs, bearing: str, place: str) -> Floats:
     """Return a rise ("outer_layer", "inner_layer", "lead") in real time over pseudo-dynamic."""
-    return np.asarray(_mine(runs, "modes_table", bearing)[f"{place}_rise_ratio"], dtype=float)
+    return np.asarray(
+        _bearing_rows(runs, "modes_table", bearing)[f"{place}_rise_ratio"], dtype=float
+    )
 
 
 def rise_differences(runs: Runs, bearing: str, place: str) -> Floats:
     """Return a rise in real time less that in the pseudo-dynamic test [K]; see `rises_by_mode`."""
-    table = _mine(runs, "modes_table", bearing)
+    table = _bearing_rows(runs, "modes_table", bearing)
     fast, slow = (table[f"{place}_rise_{mode}_K"].to_numpy(dtype=float) for mode in ("rt", "pd"))
     return np.asarray(fast - slow)
 
@@ -398,11 +406,11 @@ def speeds(runs: Runs, mode: str) -> Floats:
 
 def _driven(runs: Runs, name: str, air: float, time: Floats, moved: Floats) -> Floats:
     """Return the force of a specimen that is driven through a history of displacement [kN]."""
-    element, found = BearingElement(runs.bearing(name), air), [0.0]
+    element, forces = BearingElement(runs.bearing(name), air), [0.0]
     for gap, target in zip(np.diff(time), moved[1:], strict=True):
-        found.append(element.set_trial(float(target), dt=max(float(gap), SHORTEST)).force)
+        forces.append(element.set_trial(float(target), dt=max(float(gap), SHORTEST)).force)
         element.commit()
-    return np.asarray(np.abs(found), dtype=np.float64)
+    return np.asarray(np.abs(forces), dtype=np.float64)
 
 
 def half_cycles(runs: Runs, bearing: str) -> list[list[tuple[Floats, Floats, Floats]]]:
@@ -412,16 +420,17 @@ def half_cycles(runs: Runs, bearing: str) -> list[list[tuple[Floats, Floats, Flo
     """
 
     def make() -> list[list[tuple[Floats, Floats, Floats]]]:
-        result, found = runs.hybrid(bearing, AMBIENT), []
+        result, by_temperature = runs.hybrid(bearing, AMBIENT), []
         size = runs.bearing(bearing).total_rubber_thickness * SMALLEST
         for run, air in enumerate(AMBIENT):
             time, moved = _history(result, run, "bearing_displacement")
+            # The same path at a constant speed: the time is its length over that speed.
             slow = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(moved)) / SLOW)])
-            forces = [_driven(runs, bearing, air, each, moved) for each in (time, slow)]
+            forces = [_driven(runs, bearing, air, clock, moved) for clock in (time, slow)]
             parts = np.split(np.arange(len(moved)), np.flatnonzero(np.diff(np.sign(moved))) + 1)
-            far = [part for part in parts if np.abs(moved[part]).max() > size]
-            found.append([(np.abs(moved[p]), forces[0][p], forces[1][p]) for p in far])
-        return found
+            large = [part for part in parts if np.abs(moved[part]).max() > size]
+            by_temperature.append([(np.abs(moved[p]), forces[0][p], forces[1][p]) for p in large])
+        return by_temperature
 
     return runs.once(make, "half cycles", bearing)
 
@@ -429,8 +438,8 @@ def half_cycles(runs: Runs, bearing: str) -> list[list[tuple[Floats, Floats, Flo
 def force_by_speed(runs: Runs, bearing: str) -> Floats:
     """Return the force in real time over that at 10 mm/s at equal displacement."""
     real, slow = (
-        np.array([max(half[way].max() for half in air) for air in half_cycles(runs, bearing)])
-        for way in (1, 2)
+        np.array([max(half[place].max() for half in air) for air in half_cycles(runs, bearing)])
+        for place in (1, 2)
     )
     return np.asarray(real / slow)
 
@@ -465,19 +474,19 @@ def first_layer(runs: Runs, moments: Sequence[float], **options: Any) -> Floats:
 
 def layers_in_tests(runs: Runs) -> Floats:
     """Return the largest rise of the third layer over that of the first, every run."""
-    result, found = both(runs), []
+    result, ratios = both(runs), []
     for run in range(result.runs):
         _, layers = _history(result, run, "rubber_temperature")
         rise = (layers - layers[0]).max(axis=0)
-        found.append(rise[2] / rise[0])
-    return np.array(found)
+        ratios.append(rise[2] / rise[0])
+    return np.array(ratios)
 
 
 def _inner(runs: Runs, **options: Any) -> list[tuple[Floats, Floats]]:
     """Return time and rise of the inner layer in real time, HDR, warm to cold."""
     result = runs.hybrid(HDR, **options)
-    found = [_history(result, run, "rubber_temperature") for run in range(result.runs)]
-    return [(time, layers[:, -1] - layers[0, -1]) for time, layers in found]
+    histories = [_history(result, run, "rubber_temperature") for run in range(result.runs)]
+    return [(time, layers[:, -1] - layers[0, -1]) for time, layers in histories]
 
 
 def inner_rises(runs: Runs, **options: Any) -> Floats:
@@ -492,13 +501,13 @@ def rise_while_strong(runs: Runs) -> Floats:
 
 def teeth(runs: Runs) -> Floats:
     """Return how much rubber is warmer than shims on average at 10, 15, 20 s, HDR [K]."""
-    result, found = runs.hybrid(HDR, keep=["rubber", "cells"]), []
+    result, differences = runs.hybrid(HDR, keep=["rubber", "cells"]), []
     for run in range(result.runs):
         time, cells = _history(result, run, "temperature")
         shims = np.flatnonzero(result["part"].values[run] == "shim")
         gap = (cells[:, shims - 1] - cells[:, shims]).mean(axis=1)
-        found.append(_at(FADING, time, gap))
-    return np.array(found)
+        differences.append(_at(FADING, time, gap))
+    return np.array(differences)
 
 
 # Profiles and shares of force in the hybrid tests of the LHDR specimen (5.4.2).
@@ -523,25 +532,25 @@ def share(runs: Runs, mode: str, part: str) -> Floats:
 
 def rate_share_at_the_beginning(runs: Runs) -> Floats:
     """Return the largest share of the rate-dependent force, first 2 s, pseudo-dynamic."""
-    result, found = _lhdr(runs), []
+    result, shares = _lhdr(runs), []
     for run in _find_runs(result, "pd"):
         time = result["time"].values[run]
         first = (time > 0.0) & (time <= FIRST_SECONDS)
         names = ("viscous_force", "rubber_force", "lead_force")
         parts = np.abs([result[name].values[run][first] for name in names])
-        found.append((parts[0] / parts.sum(axis=0)).max())
-    return np.array(found)
+        shares.append((parts[0] / parts.sum(axis=0)).max())
+    return np.array(shares)
 
 
 def _last(runs: Runs, **options: Any) -> list[tuple[Floats, Floats, float]]:
     """Return rises of cells, layers and lead at 20 s in real time [K], warm to cold."""
-    result, found = _lhdr(runs, **options), []
+    result, profiles = _lhdr(runs, **options), []
     for air, run in zip(AMBIENT, _find_runs(result, "rt"), strict=True):
         step = int(np.nanargmin(np.abs(result["time"].values[run] - PROFILE_AT)))
         names = ("temperature", "rubber_temperature", "lead_temperature")
         cells, rubber, lead = (result[name].values[run, step] - air for name in names)
-        found.append((cells, rubber, float(lead)))
-    return found
+        profiles.append((cells, rubber, float(lead)))
+    return profiles
 
 
 def layers_in_real_time(runs: Runs) -> list[tuple[float, ...]]:
@@ -564,8 +573,8 @@ def saw_teeth(runs: Runs) -> Floats:
 def peak_at_the_interface(runs: Runs, **options: Any) -> list[tuple[float, ...]]:
     """Return the rises of the steel at 48 mm and of the hottest rubber at 20 s, a row each [K]."""
     part = np.array(stack(runs, LHDR).part)
-    at = int(np.flatnonzero(part == "end_plate")[-1])
-    return [(c[at], c[part == "rubber"].max()) for c, _, _ in _last(runs, **options)]
+    interface = int(np.flatnonzero(part == "end_plate")[-1])
+    return [(c[interface], c[part == "rubber"].max()) for c, _, _ in _last(runs, **options)]
 
 
 def spread_with_the_motion(runs: Runs) -> Floats:
@@ -599,6 +608,7 @@ def ductility_at_level_1(runs: Runs) -> Floats:
     """Return the largest ductility in Type I motions that envelop Level 1, HDR and LHDR."""
     weak = runs.varied({"a_g": runs.number("level_1") * runs.change.get("a_g", 1.0)})
     studies = [weak.bridge(name, MOTIONS[:2], AMBIENT, keep=THINNED) for name in BRIDGES]
+    # The motion was asked of the varied simulations, which do not tell these.
     runs.shaken = True
     return np.array([study.table["pier_ductility"].max() for study in studies])
 
@@ -618,20 +628,38 @@ def _public(*modules: ModuleType) -> dict[str, Callable[..., Any]]:
 
 def functions() -> dict[str, Callable[..., Any]]:
     """Return the functions that expressions may call without their first argument."""
-    own = (Runs.bearing, Runs.structure, Runs.number, Runs.cyclic, Runs.hybrid)
-    return {function.__name__: function for function in own} | _public(
-        sys.modules[__name__], misprints
+    methods = (Runs.bearing, Runs.structure, Runs.number, Runs.cyclic, Runs.hybrid)
+    return {function.__name__: function for function in methods} | _public(
+        sys.modules[__name__], misprints, records
     )
 
 
+# Names of expressions that need no simulations.
 PLAIN: dict[str, Any] = {
     "np": np,
-    **{"HDR": HDR, "LHDR": LHDR, "SPECIMENS": SPECIMENS, "MODES": MODES, "PIER": PIER, "TWO": TWO},
-    **{"HDR_BRIDGE": HDR_BRIDGE, "LHDR_BRIDGE": LHDR_BRIDGE, "BRIDGES": BRIDGES},
-    **{"BILINEAR": BILINEAR, "HYBRID_PIER": HYBRID_PIER, "AMBIENT": np.array(AMBIENT)},
-    **{"RUBBERS": ("G8", "G10", "G12"), "KINDS": ("HDR", "HDR-S")},
-    **{f.__name__: f for f in (full_cycles, load_rig, load_bilinear, load_rubber)},
-    **{f.__name__: f for f in (shear_modulus, damping_ratio, half_space_factor, EndFace)},
+    "HDR": HDR,
+    "LHDR": LHDR,
+    "SPECIMENS": SPECIMENS,
+    "MODES": MODES,
+    "PIER": PIER,
+    "TWO": TWO,
+    "HDR_BRIDGE": HDR_BRIDGE,
+    "LHDR_BRIDGE": LHDR_BRIDGE,
+    "BRIDGES": BRIDGES,
+    "BILINEAR": BILINEAR,
+    "HYBRID_PIER": HYBRID_PIER,
+    "AMBIENT": np.array(AMBIENT),
+    "RUBBERS": ("G8", "G10", "G12"),
+    "KINDS": ("HDR", "HDR-S"),
+    "full_cycles": full_cycles,
+    "load_rig": load_rig,
+    "load_bilinear": load_bilinear,
+    "load_rubber": load_rubber,
+    "shear_modulus": shear_modulus,
+    "damping_ratio": damping_ratio,
+    "half_space_factor": half_space_factor,
+    "EndFace": EndFace,
+    "ModelOptions": ModelOptions,
 }
 
 

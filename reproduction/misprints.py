@@ -23,8 +23,8 @@ MM2_PER_M2 = 1e6
 
 def diffusivity(runs: Runs, bearing: str, material: str) -> float:
     """Return k/(rho c) of a material [mm2/s]."""
-    found = getattr(runs.bearing(bearing).materials, material)
-    return float(found.conductivity / 1e3 / found.volumetric_heat)
+    properties = getattr(runs.bearing(bearing).materials, material)
+    return float(properties.conductivity / 1e3 / properties.volumetric_heat)
 
 
 def constants(runs: Runs, bearing: str, scheme: Any) -> Constants:
@@ -42,8 +42,8 @@ def _end_and_rubber(runs: Runs) -> tuple[float, float, float]:
     stack = build_stack(runs.bearing(HDR), half=True)
     end, rubber = stack.part.index("end_plate"), stack.part.index("rubber")
     k, dx = stack.conductivity, stack.thickness
-    one, other = k[end] * dx[rubber], k[rubber] * dx[end]
-    gamma = one / (one + other)
+    end_term, rubber_term = k[end] * dx[rubber], k[rubber] * dx[end]
+    gamma = end_term / (end_term + rubber_term)
     return _beta(runs, HDR, dx[end]), float(gamma), float(1.0 - gamma)
 
 
@@ -58,48 +58,52 @@ def _theta(runs: Runs) -> float:
 def cell_4_16(runs: Runs) -> float:
     """Return one degree after a step of Eq. 4.16, which has theta T_A but no theta T."""
     beta, theta = _end_and_rubber(runs)[0], _theta(runs)
-    left = -beta + (3.0 * beta + 1.0) - 2.0 * beta
-    return (beta - (3.0 * beta - 1.0) + 2.0 * beta + theta) / left
+    left_side = -beta + (3.0 * beta + 1.0) - 2.0 * beta
+    return (beta - (3.0 * beta - 1.0) + 2.0 * beta + theta) / left_side
 
 
 def cell_4_20(runs: Runs) -> float:
     """Return one degree after a step of Eq. 4.20, whose right side has a factor 2 too much."""
     beta, ab, ba = _end_and_rubber(runs)
-    left = -beta + (beta * (3.0 - 2.0 * ab) + 1.0) - 2.0 * beta * ba
-    right = beta - (2.0 * beta * (3.0 - 2.0 * ab) - 1.0) + 2.0 * beta * ba
-    return (right + _theta(runs)) / left
+    left_side = -beta + (beta * (3.0 - 2.0 * ab) + 1.0) - 2.0 * beta * ba
+    right_side = beta - (2.0 * beta * (3.0 - 2.0 * ab) - 1.0) + 2.0 * beta * ba
+    return (right_side + _theta(runs)) / left_side
 
 
 def cell_4_21(runs: Runs) -> float:
     """Return one degree after a step of Eq. 4.21, which has theta T_A but no theta T."""
     beta, ab, ba = _end_and_rubber(runs)
-    left = -2.0 * beta * ba + (beta * (3.0 - 2.0 * ab) + 1.0) - beta
-    right = 2.0 * beta * ba - (beta * (3.0 - 2.0 * ab) - 1.0) + beta
-    return (right + _theta(runs)) / left
+    left_side = -2.0 * beta * ba + (beta * (3.0 - 2.0 * ab) + 1.0) - beta
+    right_side = 2.0 * beta * ba - (beta * (3.0 - 2.0 * ab) - 1.0) + beta
+    return (right_side + _theta(runs)) / left_side
 
 
 def cell_4_25(runs: Runs) -> float:
     """Return one degree after a step of Eq. 4.25, where the layer of Eq. 4.20 is right."""
     (beta, ab, ba), theta = _end_and_rubber(runs), _theta(runs)
-    left = -beta + (beta * (3.0 - 2.0 * ab) + 1.0) - 2.0 * beta * ba
-    right = beta - (beta * (3.0 - 2.0 * ab) + theta - 1.0) + 2.0 * beta * ba + theta
-    return right / left
+    left_side = -beta + (beta * (3.0 - 2.0 * ab) + 1.0) - 2.0 * beta * ba
+    right_side = beta - (beta * (3.0 - 2.0 * ab) + theta - 1.0) + 2.0 * beta * ba + theta
+    return right_side / left_side
 
 
 def _steel_plates(runs: Runs) -> tuple[float, float, float]:
     """beta_s2, gamma_s1s2, gamma_s2s1 of Eq. 5.14 and 5.16."""
     stack = build_stack(runs.bearing(LHDR), half=True)
-    one = stack.thickness[stack.part.index("end_plate")]
-    two = stack.thickness[stack.part.index("sealing_plate")]
-    return _beta(runs, LHDR, two), float(two / (one + two)), float(one / (one + two))
+    end_plate = stack.thickness[stack.part.index("end_plate")]
+    sealing_plate = stack.thickness[stack.part.index("sealing_plate")]
+    return (
+        _beta(runs, LHDR, sealing_plate),
+        float(sealing_plate / (end_plate + sealing_plate)),
+        float(end_plate / (end_plate + sealing_plate)),
+    )
 
 
 def cell_5_22(runs: Runs) -> float:
     """Return one degree after a step of Eq. 5.16 and 5.22, where a minus sign is lost."""
     beta, g12, g21 = _steel_plates(runs)
-    left = 2.0 * beta * g12 + (beta * (3.0 - 2.0 * g21) + 1.0) - beta
-    right = 2.0 * beta * g12 - (beta * (3.0 - 2.0 * g21) - 1.0) + beta
-    return right / left
+    left_side = 2.0 * beta * g12 + (beta * (3.0 - 2.0 * g21) + 1.0) - beta
+    right_side = 2.0 * beta * g12 - (beta * (3.0 - 2.0 * g21) - 1.0) + beta
+    return right_side / left_side
 
 
 def cell_5_23(runs: Runs) -> float:
@@ -112,33 +116,33 @@ def cell_5_19(runs: Runs) -> float:
     """Return one degree after a step of Eq. 5.19: theta_B (0 here) where eta_B belongs."""
     stack = build_stack(runs.bearing(LHDR), half=True)
     beta = _beta(runs, LHDR, float(stack.thickness[0]))
-    left = ETA * beta + 1.0 - beta
-    return (-(ETA * beta - 1.0) + beta + 2.0 * (0.0 - 1.0) * beta) / left
+    left_side = ETA * beta + 1.0 - beta
+    return (-(ETA * beta - 1.0) + beta + 2.0 * (0.0 - 1.0) * beta) / left_side
 
 
 def shim_flux(runs: Runs) -> float:
     """Return what a shim receives over what its rubber loses, Eq. 4.27 and 4.28."""
     cells = constants(runs, HDR, "published").cells
     shim = build_stack(runs.bearing(HDR), half=True).part.index("shim")
-    lost = cells.capacity[shim - 1] * cells.to_next[shim - 1]
-    return float(cells.capacity[shim] * cells.to_previous[shim] / lost)
+    heat_lost = cells.capacity[shim - 1] * cells.to_next[shim - 1]
+    return float(cells.capacity[shim] * cells.to_previous[shim] / heat_lost)
 
 
 def plates_gain(runs: Runs) -> float:
     """Return the heat that the plates gain over what the cores lose, Eq. 5.21 and 5.31."""
-    found = constants(runs, LHDR, "published")
-    lead, touched = found.lead, found.lead_cells[0]
-    capacity = found.cells.capacity[touched.cell]
+    printed = constants(runs, LHDR, "published")
+    lead, touched = printed.lead, printed.lead_cells[0]
+    capacity = printed.cells.capacity[touched.cell]
     gained = lead.cores * touched.end / (lead.fold * lead.capacity) * capacity
     return float(gained / (lead.cores * lead.cores * lead.end_conductance * 2.0))
 
 
 def uphill(runs: Runs) -> float:
     """Return the change of lead 10 K above the air among steel 20 K above it by Eq. 5.31 [K]."""
-    found = constants(runs, LHDR, "published")
-    steel, lead = np.full(len(found.cells.capacity), 20.0), 10.0
-    state, new = new_state(found, steel, lead), new_state(found, steel, lead)
-    step(found, new_workspace(found), state, 0.0, DT, 0.0, new)
+    printed = constants(runs, LHDR, "published")
+    steel, lead = np.full(len(printed.cells.capacity), 20.0), 10.0
+    state, new = new_state(printed, steel, lead), new_state(printed, steel, lead)
+    step(printed, new_workspace(printed), state, 0.0, DT, 0.0, new)
     return float(new.branches[0].lead_temperature) - lead
 
 

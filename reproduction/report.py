@@ -26,11 +26,11 @@ from reproduction.runs import DATA
 from reproduction.slips import QUANTITIES
 from reproduction.tables import printed_tables
 from thermobearing import __version__
+from thermobearing.border.title import TitleBlock
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import identity_rows
 from thermobearing.report.pieces import Link, Pieces, ReportFigure
-from thermobearing.report.title import TitleBlock
-from thermobearing.report.words import identity_rows
 from thermobearing.reporting import put_files, report_files
 from thermobearing.results.base import Result
 from thermobearing.results.directory import FIGURES, RESULT_NAMES
@@ -45,17 +45,24 @@ EXPRESSIONS, NAMES = "expressions", "names"
 BEST = 12  # sets of choices that are shown
 CHANGE = "_change_percent"
 HEADS = (
-    *("Place", "Statement", "Computed", "Verdict", "As printed"),
-    *("Flips", "Figure", "Expression"),
+    "Place",
+    "Statement",
+    "Computed",
+    "Verdict",
+    "As printed",
+    "Flips",
+    "Figure",
+    "Expression",
 )
 OF_TABLE = (
-    *(Quantity("Quantity"), Quantity("Of"), Quantity("Unit"), Quantity("Printed", form=".6g")),
-    *(
-        Quantity("Here", form=".6g"),
-        Quantity("Difference", "%", ".2f"),
-        Quantity("By"),
-        Quantity("Note"),
-    ),
+    Quantity("Quantity"),
+    Quantity("Of"),
+    Quantity("Unit"),
+    Quantity("Printed", form=".6g"),
+    Quantity("Here", form=".6g"),
+    Quantity("Difference", "%", ".2f"),
+    Quantity("By"),
+    Quantity("Note"),
 )
 SHORT = {  # of QUANTITIES
     "inner_layer_K": "Inner layer",
@@ -118,15 +125,16 @@ class Reproduction(Result):
     chapter: int | None
     rows: Sequence[Row]
     figures: Sequence[Drawn] = ()
-    made: Mapping[str, pd.DataFrame | str] = field(default_factory=dict)
+    tables_by_name: Mapping[str, pd.DataFrame | str] = field(default_factory=dict)
+    records: Mapping[str, str] = field(default_factory=dict)  # of the tests: files by name
 
     @property
     def groups(self) -> dict[str, dict[str, int]]:
         """Count rows by verdict of each group of claims: statements, repeats, misprints."""
-        found = {group: dict.fromkeys(VERDICTS, 0) for group in GROUPS}
+        totals = {group: dict.fromkeys(VERDICTS, 0) for group in GROUPS}
         for row in self.rows:
-            found[group_by_id(row.claim.id)][row.verdict.kind] += 1
-        return {group: counts for group, counts in found.items() if any(counts.values())}
+            totals[group_by_id(row.claim.id)][row.verdict.kind] += 1
+        return {group: counts for group, counts in totals.items() if any(counts.values())}
 
     @property
     def headline(self) -> str:
@@ -144,14 +152,18 @@ class Reproduction(Result):
     @property
     def broken(self) -> dict[str, str]:
         """Return what broke, and why."""
-        found = {row.claim.id: row.verdict.words for row in self.rows if row.verdict.kind == FAILED}
-        found |= {item.name: item.caption for item in self.figures if item.image is None}
-        return found | {name: item for name, item in self.made.items() if isinstance(item, str)}
+        reasons = {
+            row.claim.id: row.verdict.words for row in self.rows if row.verdict.kind == FAILED
+        }
+        reasons |= {item.name: item.caption for item in self.figures if item.image is None}
+        return reasons | {
+            name: item for name, item in self.tables_by_name.items() if isinstance(item, str)
+        }
 
     @property
     def warnings(self) -> list[str]:
         """Return what broke as sentences."""
-        return [f"{name}: {why}" for name, why in self.broken.items()]
+        return [f"{name}: {reason}" for name, reason in self.broken.items()]
 
     @property
     def outcome(self) -> str:
@@ -170,7 +182,8 @@ class Reproduction(Result):
 
     def summary(self) -> dict[str, Any]:
         """Return counts by verdict, what broke, captions of the figures."""
-        return {
+        records = {"records": dict(self.records)} if self.records else {}
+        return records | {
             "command": "reproduce",
             "version": __version__,
             "outcome": self.outcome,
@@ -180,7 +193,9 @@ class Reproduction(Result):
             "broken": self.broken,
             "warnings": self.warnings,
             "figures": {item.name: item.caption for item in self.figures if item.image},
-            "tables": sorted(name for name, t in self.made.items() if not isinstance(t, str)),
+            "tables": sorted(
+                name for name, t in self.tables_by_name.items() if not isinstance(t, str)
+            ),
         }
 
     def _write(self, folder: Path) -> None:
@@ -194,7 +209,7 @@ class Reproduction(Result):
         (folder / LEDGER_JSON).write_text(text + "\n", encoding="utf-8")
         (folder / INDEX).write_text(self._index(), encoding="utf-8")
         (folder / TABLES).mkdir()
-        for name, table in self.made.items():
+        for name, table in self.tables_by_name.items():
             if not isinstance(table, str):
                 write_csv(folder / TABLES / f"{name}.csv", table)
         (folder / FIGURES).mkdir()
@@ -204,11 +219,11 @@ class Reproduction(Result):
 
     def _index(self) -> str:
         """Return Markdown: each claim by chapter, with its verdict, its figure, its expression."""
-        known = {row.claim.id: row for row in self.rows}
+        by_id = {row.claim.id: row for row in self.rows}
         drawn = {item.name: item.caption for item in self.figures if item.image is not None}
         lines = ["# Reproduction of Shen (2023)", "", self.headline + ".", ""]
         for part, title in CHAPTERS.items():
-            rows = [known[claim.id] for claim in load_claims(part) if claim.id in known]
+            rows = [by_id[claim.id] for claim in load_claims(part) if claim.id in by_id]
             if not rows:
                 continue
             lines += [f"## {title}", "", "| place | statement | verdict | figure | expression |"]
@@ -242,11 +257,11 @@ class Reproduction(Result):
             show_table(Table("contradicted", columns, against, keys=2))
         firm = [(abs(row.smallest.change or 0.0), row) for row in self.rows if row.smallest]
         if firm:
-            least = min(firm, key=lambda pair: pair[0])[1]
-            say(f"\nmost easily flipped: {least.claim.id} ({least.flip_words})")
+            most_fragile = min(firm, key=lambda pair: pair[0])[1]
+            say(f"\nmost easily flipped: {most_fragile.claim.id} ({most_fragile.flip_words})")
         pictures = sum(item.image is not None for item in self.figures)
-        if self.figures or self.made:
-            say(f"figures: {pictures}, tables: {len(self.made)}")
+        if self.figures or self.tables_by_name:
+            say(f"figures: {pictures}, tables: {len(self.tables_by_name)}")
         print_warnings(self.warnings)
 
     def pieces(self) -> Pieces:
@@ -256,7 +271,9 @@ class Reproduction(Result):
             Quantity("Verdict"),
             *(Quantity(group.capitalize(), form="d") for group in groups),
         ]
-        counts = [[name, *(found[name] for found in groups.values())] for name in VERDICTS]
+        counts = [
+            [name, *(group_counts[name] for group_counts in groups.values())] for name in VERDICTS
+        ]
         tables = {"counts": Table("Claims by verdict", columns, counts)}
         for part, title in CHAPTERS.items():
             ids = {claim.id for claim in load_claims(part)}
@@ -264,7 +281,7 @@ class Reproduction(Result):
             if rows:
                 heads = [Quantity(head) for head in HEADS]
                 tables[part] = Table(f"{title}: claims", heads, rows)
-        for name, table in self.made.items():
+        for name, table in self.tables_by_name.items():
             if not isinstance(table, str):
                 tables[name] = report_table(name, table)
         expressions = [[row.claim.id, row.claim.computed] for row in self.rows if row.computed]
@@ -323,8 +340,12 @@ def _ledger_row(row: Row) -> dict[str, Any]:
 def _claim_row(row: Row) -> list[Any]:
     cells, figure = _ledger_row(row), row.claim.figure or ""
     return [
-        *(cells["place"], cells["statement"], cells["computed"], cells["words"]),
-        *(cells["printed_model"], "; ".join(filter(None, (cells["smallest_flip"], cells["why"])))),
+        cells["place"],
+        cells["statement"],
+        cells["computed"],
+        cells["words"],
+        cells["printed_model"],
+        "; ".join(filter(None, (cells["smallest_flip"], cells["why"]))),
         Link(_figure_words(figure), figure) if figure else "",
         Link(row.claim.id, EXPRESSIONS) if row.claim.computed else "",
     ]
@@ -332,8 +353,8 @@ def _claim_row(row: Row) -> list[Any]:
 
 def _figure_words(name: str) -> str:
     """Return "Fig. 3.8" for "fig_3_08", and other names as they are."""
-    kind, _, rest = name.partition("_")
-    chapter, _, number = rest.partition("_")
+    kind, _, numbers = name.partition("_")
+    chapter, _, number = numbers.partition("_")
     return f"Fig. {chapter}.{int(number)}" if kind == "fig" else name
 
 
@@ -369,17 +390,17 @@ def report_table(name: str, table: pd.DataFrame) -> Table:
 
 
 def _cells(table: pd.DataFrame) -> list[list[Any]]:
-    found: list[list[Any]] = table.astype(object).where(table.notna(), None).to_numpy().tolist()
-    return found
+    cells: list[list[Any]] = table.astype(object).where(table.notna(), None).to_numpy().tolist()
+    return cells
 
 
 def _slips_table(table: pd.DataFrame) -> Table:
     """Changes in per cent: of a chain against the row above, of a slip alone against the first."""
     columns = [Quantity("Bearing"), Quantity("Slips"), Quantity("What the published scheme does")]
     columns += [Quantity(SHORT[key], "%", ".1f") for key in QUANTITIES]
-    chosen = ["bearing", "kind", "means", *(f"{key}{CHANGE}" for key in QUANTITIES)]
+    columns_shown = ["bearing", "kind", "means", *(f"{key}{CHANGE}" for key in QUANTITIES)]
     words = {"chain": "on top of those above", "alone": "alone"}
-    shown = table[chosen].assign(kind=table["kind"].map(words))
+    shown = table[columns_shown].assign(kind=table["kind"].map(words))
     note = "; ".join(f"{SHORT[key]}: {means}" for key, means in QUANTITIES.items())
     caption = (
         "Change of the result by each slip of the printed heat scheme: on top of those above, "

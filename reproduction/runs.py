@@ -18,6 +18,7 @@ from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.run import run
 from thermobearing.earthquake.analysis import bridge, hybrid
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.options import ModelOptions, model_table
 from thermobearing.motions.library import load_motion
 from thermobearing.structure.model import Structure, load_structure
 
@@ -33,7 +34,7 @@ HYBRID_PIER, TWO, PIER = "hybrid-pier", "hybrid-pier-two-bearings", "pier-p1"
 MODES = ("rt", "pd")
 MOTIONS = ("jra-i-i-1", "jra-i-i-2", "jra-ii-i-1", "jra-ii-i-2")
 WAVES = 3  # built-in motions of each type and ground
-PRINTED: dict[str, Any] = {"scheme": "published", "integrator": "euler"}
+PRINTED: dict[str, Any] = {"model": ModelOptions(scheme="published", integrator="euler")}
 PART = re.compile(r"([a-z_]+)(?:\[(\d+)\])?")
 
 
@@ -82,13 +83,19 @@ def source_bearing(name: str) -> Bearing:
     return bearing if bearing.lead is None else changed_bearing(bearing, law="constant-lead")
 
 
+def model_over(base: Mapping[str, Any], model: ModelOptions | str | None) -> ModelOptions:
+    """Return a model with the options of all simulations where it does not set its own."""
+    return ModelOptions(**(model_table(base.get("model"), {}) | model_table(model, {})))
+
+
 class Runs:
     """Simulations, each run once.
 
     `change` has factors by symbol of `parameters.toml`, {"K_r": 1.05}, for every bearing, structure
     and motion with that number. `light` leaves out the temperatures of cells in cyclic tests, since
     many changes are kept at once. `stand_in` moves the waves of a type and ground on by so many
-    places; they have the same spectrum. `options` go to every simulation: scheme="published".
+    places; they have the same spectrum. `records` is a folder of records of the tests, for rows
+    that need them. `options` go to every simulation: model="adiabatic".
     """
 
     def __init__(
@@ -97,17 +104,31 @@ class Runs:
         *,
         light: bool = False,
         stand_in: int = 0,
+        records: Path | None = None,
         **options: Any,
     ) -> None:
         self.change = dict(change or {})
+        self.records = records
         self.light, self.stand_in = light, stand_in
         self.shaken = False  # whether a motion was asked for since this was last set so
         self.options = options
-        known = parameters()
-        wrong = [name for name in self.change if name not in known]
+        symbols = parameters()
+        wrong = [name for name in self.change if name not in symbols]
         if wrong:
-            raise InputError([f'no parameter "{k}"{nearest(k, known)}' for k in wrong], "Runs()")
+            raise InputError([f'no parameter "{k}"{nearest(k, symbols)}' for k in wrong], "Runs()")
         self._kept: dict[str, tuple[Any, bool]] = {}
+
+    def over_all(self, options: dict[str, Any]) -> dict[str, Any]:
+        """Return options of a simulation, over those of all."""
+        chosen: dict[str, Any] = self.options | options
+        return chosen | {"model": model_over(self.options, options.get("model"))}
+
+    @property
+    def folder(self) -> Path:
+        """The folder of records; InputError without one."""
+        if self.records is None:
+            raise InputError("give a folder of records of the tests", "Runs()")
+        return self.records
 
     def varied(
         self, change: Mapping[str, float] | None = None, *, moved_on: int = 0, **options: Any
@@ -117,7 +138,8 @@ class Runs:
         def make() -> Runs:
             stand_in = self.stand_in + moved_on
             changes = self.change | dict(change or {})
-            return Runs(changes, light=True, stand_in=stand_in, **self.options | options)
+            merged = self.options | options
+            return Runs(changes, light=True, stand_in=stand_in, records=self.records, **merged)
 
         return self.once(make, "varied", change, moved_on, options)
 
@@ -132,10 +154,10 @@ class Runs:
 
     def number(self, symbol: str) -> float:
         """Return a printed number with the changes of `of = "print"`."""
-        known = _numbers().printed
-        if symbol not in known:
-            raise InputError(f'no printed number "{symbol}"{nearest(symbol, known)}', "number()")
-        value = known[symbol].value
+        printed = _numbers().printed
+        if symbol not in printed:
+            raise InputError(f'no printed number "{symbol}"{nearest(symbol, printed)}', "number()")
+        value = printed[symbol].value
         for name, factor in self.change.items():
             parameter = parameters()[name]
             value *= factor if parameter.of == "print" and parameter.key == symbol else 1.0
@@ -143,8 +165,8 @@ class Runs:
 
     def structure(self, name: str) -> Structure:
         """Return a structure of the library with the changes."""
-        found = load_structure(name)
-        data = found.model_dump()
+        original = load_structure(name)
+        data = original.model_dump()
         for symbol, factor in self.change.items():
             parameter = parameters()[symbol]
             if parameter.of == "structure":
@@ -157,8 +179,8 @@ class Runs:
         start, _, wave = load_motion(name).name.rpartition("-")
         name = f"{start}-{(int(wave) - 1 + self.stand_in) % WAVES + 1}"
         factor = 1.0
-        for symbol, own in self.change.items():
-            factor *= own if parameters()[symbol].of == "motion" else 1.0
+        for symbol, multiplier in self.change.items():
+            factor *= multiplier if parameters()[symbol].of == "motion" else 1.0
         return name if factor == 1.0 else {"name": name, "factor": factor}
 
     def cyclic(
@@ -173,8 +195,8 @@ class Runs:
         def make() -> Result:
             specimen = self.bearing(bearing) if isinstance(bearing, str) else bearing
             air = [ambient] if isinstance(ambient, int | float) else list(ambient)
-            kept: dict[str, Any] = {"keep": ["rubber"]} if self.light else {}
-            return run(specimen, test, air, **self.options | kept | options)
+            keep: dict[str, Any] = {"keep": ["rubber"]} if self.light else {}
+            return run(specimen, test, air, **self.over_all(keep | options))
 
         return self.once(make, "cyclic", bearing, ambient, test, options)
 
@@ -198,8 +220,8 @@ class Runs:
     ) -> EarthquakeResult:
         """Run the hybrid test in real time ("rt"), pseudo-dynamically ("pd"), or in both."""
         modes = [mode] if isinstance(mode, str) else list(mode)
-        given = {"laboratory": {"mode": modes}} | options
-        return self._study(hybrid, HYBRID_PIER, bearing, motion, ambient, given)
+        merged = {"laboratory": {"mode": modes}} | options
+        return self._study(hybrid, HYBRID_PIER, bearing, motion, ambient, merged)
 
     def _study(
         self,
@@ -213,14 +235,14 @@ class Runs:
         def make() -> EarthquakeResult:
             names = [bearing] if isinstance(bearing, str) else bearing
             motions = [motion] if isinstance(motion, str) else motion
-            given = {"structure": structure} | self.options | options
-            if isinstance(given["structure"], str):
-                given["structure"] = self.structure(given["structure"])
+            merged = {"structure": structure} | self.over_all(options)
+            if isinstance(merged["structure"], str):
+                merged["structure"] = self.structure(merged["structure"])
             devices = [self.bearing(name) if name != BILINEAR else name for name in names]
             shakings = [self.motion(name) for name in motions]
             air = [ambient] if isinstance(ambient, int | float) else list(ambient)
-            found: EarthquakeResult = command(devices, shakings, air, **given)
-            return found
+            result: EarthquakeResult = command(devices, shakings, air, **merged)
+            return result
 
         return self.once(make, command.__name__, bearing, motion, ambient, options)
 
@@ -228,13 +250,14 @@ class Runs:
         """Return what `make` returns, called once for these words."""
         key = repr(words)
         if key not in self._kept:
-            before, self.shaken = self.shaken, False
+            # Whether this simulation asks for a motion is kept with it, for each later caller.
+            shaken_before, self.shaken = self.shaken, False
             self._kept[key] = make(), self.shaken
-            self.shaken = before
-        found: T
-        found, shaken = self._kept[key]
+            self.shaken = shaken_before
+        value: T
+        value, shaken = self._kept[key]
         self.shaken |= shaken
-        return found
+        return value
 
 
 def full_cycles(strain: Sequence[float], count: int = 5, **options: Any) -> CyclicTest:
@@ -255,11 +278,12 @@ def _multiply(data: dict[str, Any], key: str, factor: float) -> bool:
     table: Any = data
     *above, last = key.split(".")
     for part in above:
-        found = PART.fullmatch(part)
-        table = table.get(found.group(1)) if found else None
-        if table is not None and found and found.group(2) is not None:
-            place = int(found.group(2))
+        match = PART.fullmatch(part)
+        table = table.get(match.group(1)) if match else None
+        if table is not None and match and match.group(2) is not None:
+            place = int(match.group(2))
             table = table[place] if place < len(table) else None
+        # Parameters of lead or rate dependence are none of a bearing without them.
         if table is None:
             return False
     if table.get(last) is None:

@@ -209,20 +209,24 @@ def slip_rows() -> list[SlipRow]:
     without slips times that change. The first of a bearing has no slip; the last of its chain is
     `published`.
     """
-    found: list[SlipRow] = []
-    known = cache(slip_values)
+    rows: list[SlipRow] = []
+    cached_values = cache(slip_values)
     for kind, name in BEARINGS.items():
         slips = possible_slips(load_bearing(f"{name}-specimen"))
-        start = known(kind, frozenset())
-        found.append(SlipRow(kind, "chain", "", start))
+        start = cached_values(kind, frozenset())
+        rows.append(SlipRow(kind, "chain", "", start))
         for k, slip in enumerate(slips, 1):
-            found.append(SlipRow(kind, "chain", slip, known(kind, frozenset(slips[:k]))))
+            rows.append(SlipRow(kind, "chain", slip, cached_values(kind, frozenset(slips[:k]))))
         for slip in slips:
+            # Some slips act on another one only: both models of the pair have that one.
             needed = NEEDS.get(slip, set()) if kind == "LHDR" else set()
-            before, after = known(kind, frozenset(needed)), known(kind, frozenset({*needed, slip}))
-            values = {key: start[key] * after[key] / before[key] for key in start}
-            found.append(SlipRow(kind, "alone", slip, values))
-    return found
+            reference, changed = (
+                cached_values(kind, frozenset(needed)),
+                cached_values(kind, frozenset({*needed, slip})),
+            )
+            values = {key: start[key] * changed[key] / reference[key] for key in start}
+            rows.append(SlipRow(kind, "alone", slip, values))
+    return rows
 
 
 def slips_table(rows: list[SlipRow]) -> pd.DataFrame:
@@ -233,12 +237,12 @@ def slips_table(rows: list[SlipRow]) -> pd.DataFrame:
     lines, last = [], dict[tuple[str, str], SlipRow]()
     for row in rows:
         start = last.setdefault((row.bearing, ""), row)
-        before = last.get((row.bearing, row.kind), start)
+        reference = last.get((row.bearing, row.kind), start)
         line: dict[str, Any] = {"bearing": row.bearing, "kind": row.kind, "slip": row.slip}
         line["means"] = SLIPS.get(row.slip, "conservative scheme, no slip")
         for key, value in row.values.items():
             line[key] = value
-            line[f"{key}_change_percent"] = 100.0 * (value / before.values[key] - 1.0)
+            line[f"{key}_change_percent"] = 100.0 * (value / reference.values[key] - 1.0)
         lines.append(line)
         if row.kind == "chain":
             last[row.bearing, row.kind] = row
@@ -299,12 +303,12 @@ def draw_slips(rows: list[SlipRow]) -> Figure:
             y = places[slip] + (0.5 if kind == "HDR" else -0.5) * THICK
             ax.barh(y, value, THICK, color=COLOURS[kind], linewidth=0)
             text = f"{value:+.1f}" if abs(value) >= NEGLIGIBLE else "0.0"
-            look: Look = {"fontsize": SMALL - 1.5, "color": INK, "va": "center"}
-            look["ha"], gap = ("left", 2.0) if value >= 0.0 else ("right", -2.0)
+            style: Look = {"fontsize": SMALL - 1.5, "color": INK, "va": "center"}
+            style["ha"], gap = ("left", 2.0) if value >= 0.0 else ("right", -2.0)
             text = text.replace("-", "\N{MINUS SIGN}")
-            ax.annotate(text, (value, y), (gap, 0.0), textcoords="offset points", **look)
-        most = max(1.0, *(abs(value) for value in bars.values()))
-        ax.set_xlim(-ROOM * most, ROOM * most)
+            ax.annotate(text, (value, y), (gap, 0.0), textcoords="offset points", **style)
+        largest = max(1.0, *(abs(value) for value in bars.values()))
+        ax.set_xlim(-ROOM * largest, ROOM * largest)
         ax.axvline(0.0, color=GREY, linewidth=0.8)
         ax.axhline(0.5 * (places["rest"] + places[ALL]), color=GREY, linewidth=0.6)
         name_axes(ax, "change [%]", title=name)
@@ -317,12 +321,12 @@ def draw_slips(rows: list[SlipRow]) -> Figure:
 
 def _bars(rows: list[SlipRow], quantity: str) -> dict[tuple[str, str], float]:
     """Change [%] by bearing and slip; without those that a bearing cannot have."""
-    found = {}
+    changes = {}
     first = {row.bearing: row.values[quantity] for row in reversed(rows) if row.slip == ""}
     for row in rows:
         if row.kind == "alone":
             value = 100.0 * (row.values[quantity] / first[row.bearing] - 1.0)
-            found[row.bearing, row.slip] = value
+            changes[row.bearing, row.slip] = value
     for kind in BEARINGS:
-        found[kind, ALL] = total_change(rows, kind, quantity)
-    return {key: value for key, value in found.items() if np.isfinite(value)}
+        changes[kind, ALL] = total_change(rows, kind, quantity)
+    return {key: value for key, value in changes.items() if np.isfinite(value)}

@@ -97,10 +97,10 @@ def _cells(table: PrintedTable, row: PrintedRow, runs: Runs) -> list[tuple[Any, 
             by = failure(error)
     cells = []
     for column, printed in zip(table.columns, row.printed, strict=True):
-        here = ours.get(column)
-        if printed != "" or here is not None:
-            away = _difference(printed, here)
-            cells.append((row.what, column, row.unit, printed, here, away, by, row.note))
+        computed = ours.get(column)
+        if printed != "" or computed is not None:
+            difference = _difference(printed, computed)
+            cells.append((row.what, column, row.unit, printed, computed, difference, by, row.note))
     return cells
 
 
@@ -113,8 +113,8 @@ def _ours(table: PrintedTable, row: PrintedRow, runs: Runs) -> list[Any]:
 
 def _look_up(of: str, row: PrintedRow, runs: Runs) -> Any:
     """Return a number of a data file; None where the file has no such part."""
-    kind, _, rest = of.partition(" ")
-    name, _, above = rest.partition(" ")
+    kind, _, name_and_key = of.partition(" ")
+    name, _, above = name_and_key.partition(" ")
     loaders: dict[str, Callable[[], Any]] = {
         "bearing": lambda: runs.bearing(name),
         "structure": lambda: runs.structure(name),

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from functools import cache
 from multiprocessing import get_context
+from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
 
@@ -19,10 +20,11 @@ from reproduction import joint, slips, tables
 from reproduction.claims import PARTS, Claim, Row, Variants, failure, load_claims, make_row
 from reproduction.figures import Row as FigureRow
 from reproduction.figures import load_figures
+from reproduction.records import check_records
 from reproduction.report import Drawn, Reproduction
 from reproduction.runs import Runs
 from thermobearing.border.errors import InputError
-from thermobearing.results.drawing import save_figure
+from thermobearing.results.drawing import holds_data, save_figure
 
 CLAIMS, VERDICTS = "claims", "verdicts"  # kinds of parts, as the next three
 FIGURE, TABLES, BOTH = "figure", "tables", "tables and figure"
@@ -50,13 +52,13 @@ class Done(NamedTuple):
 
 def split_parts(chapter: int | None, *, figures: bool, flips: bool = True) -> list[Part]:
     """Return all there is to do for a chapter, or for all with tables and misprints."""
-    found = []
+    parts = []
     if chapter is None:
-        found += [Part(BOTH if figures and k == "slips" else TABLES, (k,)) for k in WITH_TABLES]
+        parts += [Part(BOTH if figures and k == "slips" else TABLES, (k,)) for k in WITH_TABLES]
     ids = [claim.id for claim in list_claims(chapter)]
     kind = CLAIMS if flips else VERDICTS
-    found += [Part(kind, tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)]
-    return found + [Part(FIGURE, (name,)) for name in list_figures(chapter) if figures]
+    parts += [Part(kind, tuple(ids[start : start + CHUNK])) for start in range(0, len(ids), CHUNK)]
+    return parts + [Part(FIGURE, (name,)) for name in list_figures(chapter) if figures]
 
 
 def list_claims(chapter: int | None) -> tuple[Claim, ...]:
@@ -69,30 +71,32 @@ def list_claims(chapter: int | None) -> tuple[Claim, ...]:
 
 def list_figures(chapter: int | None) -> dict[str, FigureRow]:
     """Return the figures of one chapter, or all, by name ("fig_4_01")."""
-    chosen = [row for row in load_figures().values() if chapter in (None, int(row.number[0]))]
-    return {row.name: row for row in chosen}
+    rows = [row for row in load_figures().values() if chapter in (None, int(row.number[0]))]
+    return {row.name: row for row in rows}
 
 
 @cache
-def _runs() -> Runs:
-    return Runs()
+def _runs(records: Path | None = None) -> Runs:
+    return Runs(records=records)
 
 
 @cache
-def _variants() -> Variants:
-    return Variants(_runs())
+def _variants(records: Path | None) -> Variants:
+    return Variants(_runs(records))
 
 
 @cache
-def _known() -> dict[str, Claim]:
+def _claims_by_id() -> dict[str, Claim]:
     return {claim.id: claim for claim in load_claims()}
 
 
-def carry_out(part: Part) -> Done:
-    """Carry out a part; never raise for what breaks in it."""
+def carry_out(part: Part, records: Path | None = None) -> Done:
+    """Carry out a part, with a folder of records or none; never raise for what breaks in it."""
     if part.kind in (CLAIMS, VERDICTS):
-        variants = _variants() if part.kind == CLAIMS else None
-        rows = tuple(make_row(_known()[name], _runs(), variants) for name in part.names)
+        variants = _variants(records) if part.kind == CLAIMS else None
+        rows = tuple(
+            make_row(_claims_by_id()[name], _runs(records), variants) for name in part.names
+        )
         return Done(part, rows)
     (name,) = part.names
     drawn = draw(name) if part.kind in (FIGURE, BOTH) else None
@@ -109,6 +113,8 @@ def draw(name: str) -> Drawn:
         else:
             row = list_figures(None)[name]
             figure, caption = row.figure(_runs()), row.caption
+        if not holds_data(figure):
+            raise ValueError(f"the figure {name} holds no data")
         save_figure(figure, picture)
         return Drawn(name, caption, picture.getvalue())
     except Exception as error:  # whatever breaks is said in its place; the others go on
@@ -118,8 +124,8 @@ def draw(name: str) -> Drawn:
 def make_tables(name: str) -> Mapping[str, pd.DataFrame | str]:
     """Return the tables of a module by name; the reason instead where it breaks."""
     try:
-        found: Mapping[str, pd.DataFrame | str] = WITH_TABLES[name].all_tables(_runs())
-        return found
+        tables: Mapping[str, pd.DataFrame | str] = WITH_TABLES[name].all_tables(_runs())
+        return tables
     except Exception as error:  # likewise
         return {name: failure(error)}
 
@@ -129,6 +135,7 @@ def reproduce(
     chapter: int | None = None,
     figures: bool = True,
     flips: bool = True,
+    records: Path | None = None,
     jobs: int | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Reproduction:
@@ -139,6 +146,7 @@ def reproduce(
     chapter : 3 to 7 alone (7: the conclusions), without the tables; all by default.
     figures : draw them too.
     flips : look for the smallest changes that flip a verdict too, which takes most of the time.
+    records : folder of records of the tests, which judge the rows that need them.
     jobs : processes, 1 to 64; as many as there are cores by default.
     progress : called with (parts done, all parts).
     """
@@ -146,34 +154,38 @@ def reproduce(
         raise InputError(f"chapter: {chapter} is none of 3, 4, 5, 6, 7", "reproduce()")
     if jobs is not None and not 1 <= jobs <= MOST_JOBS:
         raise InputError(f"jobs: {jobs} is not in [1, {MOST_JOBS}]", "reproduce()")
+    files = check_records(records) if records else {}
     parts = split_parts(chapter, figures=figures, flips=flips)
-    done: dict[Part, Done] = {}
+    finished: dict[Part, Done] = {}
 
     def note(item: Done) -> None:
-        done[item.part] = item
+        finished[item.part] = item
         if progress:
-            progress(len(done), len(parts))
+            progress(len(finished), len(parts))
 
     if jobs == 1:
         for part in parts:
-            note(carry_out(part))
+            note(carry_out(part, records))
     else:
-        _spread(parts, jobs or os.cpu_count() or 1, note)
-    items = [done[part] for part in parts]
+        _spread(parts, records, jobs or os.cpu_count() or 1, note)
+    items = [finished[part] for part in parts]
     drawn = [item.drawn for item in items if item.drawn]
-    made = {name: table for item in items for name, table in item.tables.items()}
+    tables = {name: table for item in items for name, table in item.tables.items()}
     return Reproduction(
         chapter=chapter,
         rows=[row for item in items for row in item.rows],
         figures=sorted(drawn, key=lambda item: item.name),
-        made=dict(sorted(made.items())),
+        tables_by_name=dict(sorted(tables.items())),
+        records=files,
     )
 
 
-def _spread(parts: list[Part], jobs: int, note: Callable[[Done], None]) -> None:
+def _spread(
+    parts: list[Part], records: Path | None, jobs: int, note: Callable[[Done], None]
+) -> None:
     # "spawn": a process that is forked while threads run may wait for ever.
     with ProcessPoolExecutor(min(jobs, len(parts) or 1), get_context("spawn")) as pool:
-        futures = [pool.submit(carry_out, part) for part in parts]
+        futures = [pool.submit(carry_out, part, records) for part in parts]
         try:
             for future in as_completed(futures):
                 note(future.result())

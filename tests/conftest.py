@@ -50,6 +50,15 @@ def saved_figures(request: pytest.FixtureRequest) -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="module")
+def no_progress_lines() -> Iterator[None]:
+    """Print no line of progress: whether one is due depends on how fast the machine is."""
+    with pytest.MonkeyPatch.context() as patch:
+        if "thermobearing.commands.common" in sys.modules:
+            patch.setattr("thermobearing.commands.common.PROGRESS_LINES_PRINTED", False)
+        yield
+
+
 def _save_without_layout(patch: pytest.MonkeyPatch, blank: bool) -> None:
     """Draw figures without their layout, or not at all, unless they are drawn to be measured."""
     from matplotlib.figure import Figure

@@ -14,8 +14,9 @@ import sys
 import tarfile
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 ROOT = Path(__file__).parents[1]
 LARGEST = 5.0  # the wheel [MB]
@@ -33,12 +34,23 @@ motion = "jra-ii-i-1"
 ambient = ["-20 degC", "23 degC"]
 """
 NEEDS = (  # what each command says it needs, where only the wheel is installed
-    ("thermobearing report test", "report"),
+    ("thermobearing report bridge", "report"),
+    ("thermobearing report bridge --no-pdf", "report"),
+    ("thermobearing report bridge --xlsx", "report"),
     ("thermobearing study study.toml -o study", "study"),
     ("thermobearing identify tests.xlsx --bearing shen-hdr-specimen", "xlsx"),
+    (
+        "thermobearing identify warm/history.csv --bearing shen-hdr-specimen --posterior -o post",
+        "bayes",
+    ),
+)
+WITHOUT_LIBRARIES = {"THERMOBEARING_KERNELS": "jit"}  # as on a machine that no library fits
+NEEDS_TO_COMPILE = (("thermobearing cyclic -o compiled", "jit"),)
+NEEDS_AFTER = (  # where the other extras but `cluster` are installed
+    ("thermobearing study study.toml -o dask --executor dask", "cluster"),
 )
 WITH_EXTRAS = (
-    "thermobearing report test --xlsx",
+    "thermobearing report bridge --xlsx",
     "thermobearing study study.toml -o study",
     "thermobearing study table study -o study.csv",
 )
@@ -74,13 +86,19 @@ class Environment:
         self.variables = {k: v for k, v in os.environ.items() if not k.startswith(ours)}
         subprocess.run([python, "-m", "venv", folder], check=True, env=self.variables)
 
-    def run(self, *command: str, status: int = 0, where: Path | None = None) -> str:
+    def run(
+        self,
+        *command: str,
+        status: int = 0,
+        where: Path | None = None,
+        variables: Mapping[str, str] = MappingProxyType({}),
+    ) -> str:
         """Run a program of the environment, print its time and return its output."""
         start, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
         done = subprocess.run(
             [self.bin / command[0], *command[1:]],
             cwd=where or self.work,
-            env=self.variables,
+            env={**self.variables, **variables},
             capture_output=True,
             text=True,
             check=False,
@@ -108,11 +126,23 @@ def check_wheel(wheel: Path, environment: Environment) -> None:
         environment.run(*command)
     (environment.work / "study.toml").write_text(STUDY, encoding="utf-8")
     (environment.work / "tests.xlsx").write_bytes(b"PK\x03\x04")
-    for line, extra in NEEDS:
-        assert f"thermobearing[{extra}]" in environment.run(*line.split(), status=2), line
+    check_needs(environment, NEEDS)
+    check_needs(environment, NEEDS_TO_COMPILE, WITHOUT_LIBRARIES)
     environment.install(f"{wheel}[report,study,xlsx]")
+    check_needs(environment, NEEDS_AFTER)
     for line in WITH_EXTRAS:
         environment.run(*line.split())
+
+
+def check_needs(
+    environment: Environment,
+    needs: Iterable[tuple[str, str]],
+    variables: Mapping[str, str] = MappingProxyType({}),
+) -> None:
+    """Run commands without what they need: each names its extra."""
+    for line, extra in needs:
+        output = environment.run(*line.split(), status=2, variables=variables)
+        assert f"thermobearing[{extra}]" in output, line
 
 
 def main(folder: Path, pythons: list[str]) -> None:

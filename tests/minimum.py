@@ -18,8 +18,21 @@ def lowest_versions() -> list[str]:
 
 
 def _declared(project: dict[str, dict[str, list[str]]]) -> list[str]:
-    return [*project["dependencies"], *project["optional-dependencies"]["test"]]
+    return [*project["dependencies"], *_of_extra(project["optional-dependencies"], "test")]
+
+
+def _of_extra(extras: dict[str, list[str]], name: str) -> list[str]:
+    """Return the packages of an extra, with those of the extras that it names."""
+    packages: list[str] = []
+    for text in extras[name]:
+        named = re.fullmatch(r"thermobearing\[(.+)\]", text)
+        packages += [
+            package
+            for other in (named[1].split(",") if named else ())
+            for package in _of_extra(extras, other)
+        ] or [text]
+    return packages
 
 
 if __name__ == "__main__":
-    print("\n".join(lowest_versions()))
+    print("\n".join(dict.fromkeys(lowest_versions())))

@@ -188,6 +188,9 @@ BUILT_IN_LAYER = 3.0  # K: the same on the built-in motion; 2.7 measured, 14 on 
 LIKE_THE_RECORD = 1.5  # K: built-in motion and the record's phases; 0.8 measured, 12.2 before
 
 # --- Identification ----------------------------------------------------------------------
+# The zero of a force over its peak: noise of 0.5 %, and softening that is not linear.
+ZERO_OF_LEGS = 1e-3
+ZERO_OF_ONE_CYCLE = 6e-3  # halves of two legs, the second of which is weaker
 RECOVERED = 0.03  # of a well determined value, and three standard errors: what the issue asks
 RECOVERED_ERRORS = 3.0  # standard errors; but of 60 draws one exceeds 3 in one set of seven
 DETERMINATION = 0.99  # R2 with 2 % of noise: 1 - 0.02^2 peak^2 / variance = 0.996 at best
@@ -311,6 +314,8 @@ HALF_SPACE_SETTLES = 0.02  # [K] the clock of a core runs from the start: 3e-3 l
 TEN_MINUTES = 0.1  # [K] steps of 600 s for those of 36 s: 0.065 in the outer cell, less inside
 TEN_MINUTES_OF_LEAD = 0.8  # [K] likewise of lead, which follows a step later: 0.52
 
+SOAKED = 0.005  # start of a slab against its series, finest mesh [K]: 0.0028 measured
+SOAKED_ELEMENTS = 1.2  # start against finite elements, which resolve the radius [K]: 1.02 measured
 SOAKING = 0.08  # of the time to 1/e: 0.05 measured, one dimension for two
 REST_OF_LEAD = 0.01  # of the difference: 0.002 (rubber) and 0.002 (lead) measured after 6 h
 REST_OF_LEAD_ELEMENTS = 0.02  # of the difference: 0.015 measured

@@ -41,7 +41,9 @@ def groups() -> list[tuple[str, list[str]]]:
     statements = ast.parse((PACKAGE / "__init__.pyi").read_text(encoding="utf-8")).body
     imports = [line for line in statements if isinstance(line, ast.ImportFrom)]
     names = [((line.module or "").split(".")[0], line.names[0].name) for line in imports]
-    names = [one for place, name in names for one in ([(place, name)] if place else _inside(name))]
+    names = [
+        entry for place, name in names for entry in ([(place, name)] if place else _inside(name))
+    ]
     unknown = {place for place, _ in names} - set(TITLES)
     if unknown:
         raise ValueError(f"docs/builder/api.py has no heading for {', '.join(sorted(unknown))}")

@@ -108,7 +108,7 @@ def main() -> None:
         return
     failed = False
     for page in [path.resolve() for path in options.pages] or pages():
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        start_usage = resource.getrusage(resource.RUSAGE_CHILDREN)
         words = ["--here", *(["--first"] if options.first else []), str(page)]
         environment = {
             **os.environ,
@@ -124,8 +124,10 @@ def main() -> None:
                 text=True,
                 check=False,
             )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        end_usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        seconds = (
+            end_usage.ru_utime + end_usage.ru_stime - start_usage.ru_utime - start_usage.ru_stime
+        )
         problem = process.stderr.strip()[-SHOWN:] if process.returncode else ""
         print(f"{page.name:24} {'FAILED' if problem else 'ran':6} {seconds:7.1f} CPU s", flush=True)
         if problem:

@@ -52,12 +52,12 @@ def key_table(model: type[BaseModel], skipped: list[str]) -> str:
 
 def attribute_texts(model: type[BaseModel]) -> dict[str, str]:
     """Return what the docstrings of a model and its bases say of each attribute."""
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for base in reversed(model.__mro__):
         for match in ATTRIBUTE.finditer(base.__doc__ or "" if "__doc__" in vars(base) else ""):
             words = " ".join(match["text"].split())
-            found |= dict.fromkeys(match["names"].split(", "), words.replace("|", "\\|"))
-    return found
+            texts |= dict.fromkeys(match["names"].split(", "), words.replace("|", "\\|"))
+    return texts
 
 
 def parts(item: Any) -> Iterator[Any]:
@@ -71,17 +71,17 @@ def kind(model: type[BaseModel], name: str) -> str:
     """Return the unit of a field, or what it is."""
     unit = find_unit(model, name)
     annotation = model.model_fields[name].annotation
-    several = "list of " if _is_list(annotation) else ""
+    prefix = "list of " if _is_list(annotation) else ""
     if unit is not None:
-        return f"{several}{unit}"
+        return f"{prefix}{unit}"
     inner = list(parts(annotation))
     words = [
         f'"{value}"' for part in inner if get_origin(part) is Literal for value in get_args(part)
     ]
     tables = [p for p in inner if isinstance(p, type) and issubclass(p, BaseModel)]
     plain = [KINDS[part] for part in inner if isinstance(part, type) and part in KINDS]
-    found = words or (["table"] if tables else []) or list(dict.fromkeys(plain))
-    return f"{several}{' or '.join(found[:6])}"
+    kinds = words or (["table"] if tables else []) or list(dict.fromkeys(plain))
+    return f"{prefix}{' or '.join(kinds[:6])}"
 
 
 def _is_list(annotation: Any) -> bool:
@@ -97,9 +97,9 @@ def default(field: FieldInfo) -> str:
     if value is None or value == "" or value == [] or value == {}:
         return ""
     if isinstance(value, BaseModel):
-        given = value.model_dump(exclude_none=True, exclude_defaults=False)
+        fields = value.model_dump(exclude_none=True, exclude_defaults=False)
         return ", ".join(
-            f"{key} {item:g}" for key, item in given.items() if isinstance(item, float)
+            f"{key} {item:g}" for key, item in fields.items() if isinstance(item, float)
         )
     if isinstance(value, float):
         return f"{value:g}"
@@ -108,15 +108,18 @@ def default(field: FieldInfo) -> str:
 
 def limits(field: FieldInfo) -> str:
     """Return the range of a number."""
-    found = {}
+    bounds = {}
     for part in (*field.metadata, *parts(field.annotation)):
         for name in ("ge", "gt", "le", "lt"):
             if getattr(part, name, None) is not None:
-                found.setdefault(name, f"{getattr(part, name):g}")
+                bounds.setdefault(name, f"{getattr(part, name):g}")
         for inner in getattr(part, "metadata", []) or []:
             for name in ("ge", "gt", "le", "lt"):
                 if getattr(inner, name, None) is not None:
-                    found.setdefault(name, f"{getattr(inner, name):g}")
-    low = f"> {found['gt']}" if "gt" in found else f"≥ {found['ge']}" if "ge" in found else ""
-    high = f"< {found['lt']}" if "lt" in found else f"≤ {found['le']}" if "le" in found else ""
-    return ", ".join(filter(None, (low, high)))
+                    bounds.setdefault(name, f"{getattr(inner, name):g}")
+    # One bound at either end, the open one if a field has both.
+    ends = []
+    for signs in ((("gt", ">"), ("ge", "≥")), (("lt", "<"), ("le", "≤"))):
+        stated = [f"{sign} {bounds[name]}" for name, sign in signs if name in bounds]
+        ends += stated[:1]
+    return ", ".join(ends)

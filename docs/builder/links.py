@@ -48,18 +48,18 @@ def faults(site: Path, version: str) -> list[str]:
     site = site.resolve()
     files = [path for path in sorted(site.rglob("*.html")) if OF_THE_THEME not in path.parts]
     pages = {path: Page(path.read_text(encoding="utf-8")) for path in files}
-    found = [] if pages else [f"{site}: no pages"]
+    messages = [] if pages else [f"{site}: no pages"]
     for path, page in pages.items():
         name = path.relative_to(site)
         if not any(version in words and "built" in words for words in page.editions):
-            found.append(f"{name}: neither version {version} nor date")
+            messages.append(f"{name}: neither version {version} nor date")
         for address in page.loads:
             if urlsplit(address).netloc:
-                found.append(f"{name}: loads {address} from the network")
+                messages.append(f"{name}: loads {address} from the network")
         for address in {*page.links, *page.loads}:
             if not _leads_somewhere(address, path, pages):
-                found.append(f"{name}: {address} leads nowhere")
-    return found
+                messages.append(f"{name}: {address} leads nowhere")
+    return messages
 
 
 def _leads_somewhere(address: str, page: Path, pages: dict[Path, Page]) -> bool:

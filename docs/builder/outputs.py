@@ -4,7 +4,7 @@ A block whose first line is `# NAME.toml` (or .csv, .tcl, .py) is that file. A `
 lines that the block before it printed; those that match the pattern of the comment above it,
 `<!-- output: PATTERN -->`, are written into it by `python -m docs.builder.outputs PAGE...`.
 A picture below a comment `<!-- figure: PATH -->` is a file that the blocks of the page write
-(for a PDF, its first page); `python -m docs.builder.outputs --figures PAGE...` copies it.
+(for a PDF, its first page); `python -m docs.generate --pictures` copies it.
 """
 
 import contextlib
@@ -18,8 +18,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from PIL import Image
-
 BLOCK = re.compile(
     r"(?:<!-- output: (?P<pattern>.*?) -->\n)?```(?P<language>[\w{}]+)\n(?P<text>.*?)```", re.DOTALL
 )
@@ -27,7 +25,6 @@ PICTURE = re.compile(r"<!-- figure: (?P<made>\S+) -->\n!\[[^\]]*\]\((?P<shown>[^
 FILE = re.compile(r"# (\S+\.(?:toml|csv|tcl|py))\n")  # the first line of a block that is a file
 WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
 WIDTH = 100  # columns of the console
-WIDEST = 1000  # pixels of a picture
 Command = Callable[..., Any]
 
 
@@ -86,10 +83,10 @@ def run_line(line: str, command: Command, draw: bool) -> str:
         raise ValueError(f"no command of this package: {line}")
     words = shlex.split(line, comments=True)[1:]
     draws = "-o" in words and words[0] not in WITHOUT_FIGURES
-    done = command(*words, *(["--no-figures"] if draws and not draw else []))
-    if done.exit_code != 0:
-        raise ValueError(f"{line}: {done.stderr}")
-    return str(done.stdout)
+    result = command(*words, *(["--no-figures"] if draws and not draw else []))
+    if result.exit_code != 0:
+        raise ValueError(f"{line}: {result.stderr}")
+    return str(result.stdout)
 
 
 def refreshed(path: Path, command: Command) -> str:
@@ -99,57 +96,31 @@ def refreshed(path: Path, command: Command) -> str:
         if block["pattern"] is None:
             continue
         pattern = re.compile(block["pattern"])
-        shown = [line.rstrip() for line in printed.splitlines() if pattern.search(line)]
-        if not shown:
+        matching = [line.rstrip() for line in printed.splitlines() if pattern.search(line)]
+        if not matching:
             raise ValueError(f"{path.name}: nothing matches {block['pattern']}: {printed}")
-        content = "".join(f"{line}\n" for line in shown)
+        content = "".join(f"{line}\n" for line in matching)
         start = f"<!-- output: {block['pattern']} -->\n```text\n"
         text = text.replace(f"{start}{block['text']}```", f"{start}{content}```", 1)
     return text
 
 
-def copy_figures(path: Path, command: Command) -> None:
-    """Run a page in the working directory and copy the pictures that it shows from there."""
-    pictures = list(PICTURE.finditer(path.read_text(encoding="utf-8")))
-    if not pictures:
-        return
-    for _ in run(path, {"__name__": "page"}, command, draw=True):
-        pass
-    for picture in pictures:
-        image = _image(Path(picture["made"]))
-        if image.width > WIDEST:
-            image = image.resize((WIDEST, round(image.height * WIDEST / image.width)))
-        image = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-        image.save(path.parent / picture["shown"], optimize=True)
-
-
-def _image(path: Path) -> Image.Image:
-    """Return a picture, or the first page of a PDF."""
-    if path.suffix != ".pdf":
-        return Image.open(path)
-    import pypdfium2
-
-    return pypdfium2.PdfDocument(path)[0].render(scale=1.6).to_pil()
-
-
-def main() -> None:
-    """Rewrite the pages that the command line names, or copy their figures (`--figures`)."""
+def run_command(*words: str) -> Any:
+    """Run the words of a command line in this process."""
     from typer.testing import CliRunner
 
     import tests.opensees  # noqa: F401  (finds its libraries)
     from thermobearing.cli import app
 
-    def command(*words: str) -> Any:
-        return CliRunner().invoke(app, list(words))
+    return CliRunner().invoke(app, list(words))
 
+
+def main() -> None:
+    """Rewrite the pages that the command line names."""
     os.environ["COLUMNS"] = str(WIDTH)
-    names = [name for name in sys.argv[1:] if name != "--figures"]
-    for path in [Path(name).resolve() for name in names]:
+    for path in [Path(name).resolve() for name in sys.argv[1:]]:
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-            if "--figures" in sys.argv:
-                copy_figures(path, command)
-            else:
-                path.write_text(refreshed(path, command), encoding="utf-8")
+            path.write_text(refreshed(path, run_command), encoding="utf-8")
 
 
 if __name__ == "__main__":

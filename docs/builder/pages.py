@@ -51,23 +51,24 @@ def faults(site: Path, running: Any) -> list[str]:
     ]
 
 
-def _find_faults(running: Any, file: Path, look: dict[str, Any]) -> list[str]:
-    page = running.new_page(**look)
+def _find_faults(running: Any, file: Path, settings: dict[str, Any]) -> list[str]:
+    page = running.new_page(**settings)
     reported = console_messages(page)
     page.goto(file.as_uri())
-    width = look["viewport"]["width"]
-    found = [f"console: {text}" for text in reported if not text.startswith(OF_NO_MATTER)]
+    width = settings["viewport"]["width"]
+    messages = [f"console: {text}" for text in reported if not text.startswith(OF_NO_MATTER)]
+    # A page that is wider than the screen has to be scrolled sideways on a phone.
     broad = page.evaluate("document.documentElement.scrollWidth")
     if broad > width:
-        found.append(f"{broad} px wide, on a screen of {width} px")
+        messages.append(f"{broad} px wide, on a screen of {width} px")
     if not page.locator("h1").first.is_visible():
-        found.append("its title is not seen")
-    found += [
-        f"{name} ({look['color_scheme']}): {html}"
+        messages.append("its title is not seen")
+    messages += [
+        f"{name} ({settings['color_scheme']}): {html}"
         for name, html in grave_faults(page, without=OF_THE_THEME)
     ]
     page.close()
-    return found
+    return messages
 
 
 def main(site: Path) -> int:

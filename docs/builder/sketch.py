@@ -1,6 +1,5 @@
 """Sketch of the default bridge: the model with its numbers, and the displacements of the table."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ TOP, BEARING = 10.0, 0.7  # height of the pier top; of a bearing, drawn larger t
 AMBIENT = (23, -20)
 
 
-def draw_pier(path: Path) -> None:
+def draw() -> Figure:
     """Draw pier P1 and what its displacements are, with the peaks of two temperatures."""
     figure = Figure(figsize=(9.4, 4.9))
     for (left, right), draw in (
@@ -29,7 +28,7 @@ def draw_pier(path: Path) -> None:
         ax.set(xlim=(left, right), ylim=(-4.3, 14.1))
         ax.set_aspect("equal")
         ax.axis("off")
-    drawing.save_figure(figure, path, dpi=110)
+    return figure
 
 
 def _peaks() -> list[dict[str, float]]:
@@ -37,15 +36,15 @@ def _peaks() -> list[dict[str, float]]:
     import thermobearing as tb
 
     result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", ambient=list(AMBIENT))
-    found = []
+    peaks = []
     for run in range(len(AMBIENT)):
         history = result.history(run)
         row = history.loc[history["deck_displacement_mm"].abs().idxmax()]
         sign = np.sign(row["deck_displacement_mm"])
         names = ("deck_displacement_mm", "displacement_mm", "pier_displacement_mm")
         deck, bearing, pier = (float(sign * row[name]) for name in names)
-        found.append({"D": deck, "B": bearing, "P": pier, "F": deck - bearing - pier})
-    return found
+        peaks.append({"D": deck, "B": bearing, "P": pier, "F": deck - bearing - pier})
+    return peaks
 
 
 def _draw_model(ax: Axes, structure: Any) -> None:
@@ -130,11 +129,11 @@ def _draw_moved(ax: Axes, peaks: list[dict[str, float]]) -> None:
     ax.text(x, y + 1.9, "HDR bearings in jra-ii-i-1, when the deck", fontsize=SMALL)
     ax.text(x, y + 1.2, "is farthest from where it began [mm]:", fontsize=SMALL)
     for k, colour in enumerate(drawing.ambient_colours(np.array(AMBIENT, dtype=float))):
-        at = x + 6.7 + 1.7 * k
-        ax.text(at, y, f"{AMBIENT[k]} °C", ha="right", fontsize=SMALL, color=colour)
+        position = x + 6.7 + 1.7 * k
+        ax.text(position, y, f"{AMBIENT[k]} °C", ha="right", fontsize=SMALL, color=colour)
         for i, (_, _, key) in enumerate(rows):
             text = f"{peaks[k][key]:.0f}"
-            ax.text(at, y - 0.9 * (i + 1), text, ha="right", fontsize=SMALL, color=colour)
+            ax.text(position, y - 0.9 * (i + 1), text, ha="right", fontsize=SMALL, color=colour)
     for i, (symbol, words, _) in enumerate(rows):
         ax.text(x, y - 0.9 * (i + 1), symbol, fontsize=SMALL)
         ax.text(x + 0.9, y - 0.9 * (i + 1), words, fontsize=SMALL - 1.0)

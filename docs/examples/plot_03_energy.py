@@ -9,7 +9,9 @@ through the ends and sides. The title shows the residual of the balance, which i
 import thermobearing as tb
 
 test = tb.cyclic_test(strain=[2.0], cycles=5, rest=None)
-result = tb.run("shen-hdr-specimen", test, ambient=-20, heat_source="dissipation")
+result = tb.run(
+    "shen-hdr-specimen", test, ambient=-20, model=tb.ModelOptions(heat_source="dissipation")
+)
 result.plot.energy()
 
 # %%

@@ -40,7 +40,7 @@ def shaken(ambient: float) -> np.ndarray:
 
 figure = Figure(figsize=(5.0, 3.6), layout="constrained")
 axes = figure.add_subplot(xlabel="displacement [mm]", ylabel="force [kN]")
-for ambient, colour in ((-20, "#0077BB"), (23, "#CC3311")):
+for ambient, colour in ((-20, "#013aa8"), (23, "#e67502")):
     axes.plot(*shaken(ambient).T, color=colour, lw=0.8, label=f"{ambient} degC")
 axes.legend(frameon=False)
 figure

@@ -9,8 +9,20 @@ The public names are listed in `__init__.pyi`; all else may change without notic
 when they are first used, so that `import thermobearing` is quick.
 """
 
+from typing import Any
+
 import lazy_loader
 
 __version__ = "0.3.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_public_name, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    """Return a public name; the error for a former one states the present one."""
+    if name not in __all__ and not name.startswith("_"):
+        from thermobearing.border.keywords import renamed
+
+        if clause := renamed(name, __all__):
+            raise AttributeError(f'module "{__name__}" has no attribute "{name}"{clause}')
+    return _public_name(name)

@@ -45,7 +45,7 @@ from .identify.result import Identification as Identification
 from .identify.run import identify_bearing as identify_bearing
 from .identify.uncertainty.posterior import forecast as forecast
 from .identify.uncertainty.samples import posterior_bearings as posterior_bearings
-from .intake.run import take_in as take_in
+from .intake.run import inspect_files as inspect_files
 from .live.page import live_page as live_page
 from .loading import load_result as load_result
 from .model.element import BearingElement as BearingElement
@@ -55,6 +55,7 @@ from .model.options import ModelOptions as ModelOptions
 from .model.stack import EndFace as EndFace
 from .motions.library import list_motions as list_motions
 from .motions.library import load_motion as load_motion
+from .motions.library import save_motion as save_motion
 from .motions.pair import MotionPair as MotionPair
 from .motions.record import GroundMotion as GroundMotion
 from .motions.record import motion_from_arrays as motion_from_arrays
@@ -62,6 +63,8 @@ from .motions.spectrum import response_spectrum as response_spectrum
 from .motions.spectrum import rotated_spectrum as rotated_spectrum
 from .motions.synthesis import make_motion as make_motion
 from .motions.synthesis import match_spectrum as match_spectrum
+from .motions.targets import DesignSpectrum as DesignSpectrum
+from .motions.targets import load_spectrum as load_spectrum
 from .reporting import make_report as make_report
 from .results.metrics import measure_history as measure_history
 from .results.profiles import overlay as overlay

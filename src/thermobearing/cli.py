@@ -25,17 +25,18 @@ from thermobearing.commands import (  # noqa: F401 (each adds its commands)
     motions,
     study,
 )
-from thermobearing.commands.common import BAD_INPUT, app, patient_streams
+from thermobearing.commands.common import BAD_INPUT, app, guard_streams, is_out_of_memory
 
 # Commands and groups in the order of the help.
 ORDER = """list check cyclic bridge hybrid sequence serve measure intake identify validate design
-bounds lambda new live report study motions structures"""
+bounds lambda factors new live report study motions structures limits"""
+NO_MEMORY = b"thermobearing: not enough memory\n"
 app.registered_commands.sort(key=lambda command: ORDER.split().index(str(command.name)))
 app.registered_groups.sort(key=lambda group: ORDER.split().index(str(group.name)))
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         typer.echo(f"thermobearing {thermobearing.__version__}")
         raise typer.Exit
 
@@ -52,7 +53,7 @@ def _common(
 def main() -> None:
     """Entry point of the console script."""
     one_blas_thread()
-    patient_streams()
+    guard_streams()
     warnings.formatwarning = lambda message, *_: f"thermobearing: warning: {message}\n"
     os.environ.pop("MPLBACKEND", None)  # all is drawn without a window; a wrong one ends imports
     try:
@@ -71,12 +72,17 @@ def main() -> None:
             raise
         typer.echo(f"thermobearing: {problem}", err=True)
         sys.exit(BAD_INPUT)
+    except (MemoryError, SystemError) as problem:
+        if not is_out_of_memory(problem):
+            raise
+        os.write(2, NO_MEMORY)  # no other way to write is certain to need no memory
+        sys.exit(BAD_INPUT)
     finally:
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
-        lost = getattr(sys.stdout, "lost", "")
-        if lost:
-            typer.echo(f"thermobearing: the output could not be written: {lost}", err=True)
+        write_error = getattr(sys.stdout, "lost", "")
+        if write_error:
+            typer.echo(f"thermobearing: the output could not be written: {write_error}", err=True)
             sys.exit(BAD_INPUT)
 
 

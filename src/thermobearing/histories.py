@@ -46,7 +46,7 @@ def _history(keys: dict[str, Any], table: "pd.DataFrame") -> History:
 
 
 def _of_study(result: EarthquakeResult) -> list[History]:
-    found = []
+    histories = []
     data = result.dataset
     for run in range(result.runs):
         names = {"Bearing": str(data["bearing"].values[run])}
@@ -54,22 +54,22 @@ def _of_study(result: EarthquakeResult) -> list[History]:
         keys: dict[str, Any] = {**names, AMBIENT: float(data["ambient"].values[run])}
         if any(result.modes):
             keys["Mode"] = result.modes[run]
-        found.append(_history(keys, result.history(run)))
-    return found
+        histories.append(_history(keys, result.history(run)))
+    return histories
 
 
 def _of_test(result: Result) -> dict[str, History]:
     written = written_part(result)
-    found = {}
+    histories = {}
     for run, ambient in enumerate(written.dataset["ambient"].values):
         table = pd.DataFrame(history_columns(written, run))
-        found[f"{ambient:g}"] = _history({AMBIENT: float(ambient)}, table)
-    return found
+        histories[f"{ambient:g}"] = _history({AMBIENT: float(ambient)}, table)
+    return histories
 
 
 def _of_tables(saved: SavedResult) -> dict[str, History]:
     """Return long tables, such as samples of tests; columns that identify rows become keys."""
-    found = {}
+    histories = {}
     for name, table in saved.tables.items():
         if len(table) <= MOST_ROWS:
             continue
@@ -78,8 +78,8 @@ def _of_tables(saved: SavedResult) -> dict[str, History]:
         for values, part in groups:
             keys = dict(zip(map(_head, labels), map(str, values), strict=True))
             label = " ".join([name, *keys.values()])
-            found[label] = _history(keys, part.drop(columns=labels))
-    return found
+            histories[label] = _history(keys, part.drop(columns=labels))
+    return histories
 
 
 def _head(column: Hashable) -> str:

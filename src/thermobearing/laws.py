@@ -17,6 +17,7 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import cache, lru_cache, partial
 from itertools import combinations, pairwise, product
@@ -26,9 +27,10 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
-from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, nearest, short_repr, shortened
 from thermobearing.border.library import data_path
+from thermobearing.border.opener import read_bytes
 from thermobearing.border.toml import read_toml
 from thermobearing.core.compiled.kernel import has_numba
 from thermobearing.core.hysteresis import COMPONENTS, law_type
@@ -66,6 +68,7 @@ Move = Callable[[Floats, Floats], tuple[Floats, Floats]]  # Z and d -> Z and its
 BOUNDS = 10.0  # default bounds of a parameter in a calibration: its default over and times this
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Law:
     """A law of the package, or a registered one.
@@ -116,16 +119,19 @@ class Law:
         on_line, in_plane = _compiled(self)
         return on_line[0], in_plane[0]
 
-    def values(self, given: Mapping[str, float] | None) -> tuple[float, ...]:
+    def values(self, parameters: Mapping[str, float] | None) -> tuple[float, ...]:
         """Return the parameters in the order of the function, with defaults filled in."""
-        for name in given or {}:
+        for name in parameters or {}:
             if name not in self.parameters:
-                known = nearest(name, self.parameters)
-                raise InputError(f'law "{self.name}": no parameter "{name}"{known}')
-        return tuple((self.parameters | dict(given or {})).values())
+                hint = nearest(name, self.parameters)
+                raise InputError(f'law "{self.name}": no parameter "{name}"{hint}')
+        return tuple((self.parameters | dict(parameters or {})).values())
 
     def shown(self, values: Sequence[float]) -> str:
         """Return the parameters with their values, in words."""
+        if len(values) != len(self.parameters):
+            count = f"{len(values)} values for {len(self.parameters)} parameters"
+            raise InputError(f'law "{self.name}": {count}')
         return ", ".join(f"{n} = {v:g}" for n, v in zip(self.parameters, values, strict=True))
 
 
@@ -138,11 +144,31 @@ def built_in_laws() -> dict[str, Law]:
     }
 
 
-_KNOWN: dict[str, Law] = {}  # registered laws by name
-_APPLIED: list[str] = []  # laws that every bearing gets that is loaded; see `applied`
+_REGISTERED: dict[str, Law] = {}  # by name, of this program
+# Laws by name of a command or of a file that is being run, in place of those of the program: they
+# end with the command, and another thread does not see them.
+_SCOPE: ContextVar[dict[str, Law] | None] = ContextVar("registered_laws", default=None)
+# Names of the laws that every bearing gets that is loaded in a command; see `applied`.
+_APPLIED: ContextVar[tuple[str, ...]] = ContextVar("applied_laws", default=())
 
 
-@checked_keywords
+def _registered() -> dict[str, Law]:
+    """Return the registered laws by name, of the running command if there is one."""
+    scope = _SCOPE.get()
+    return _REGISTERED if scope is None else scope
+
+
+@contextmanager
+def _scope() -> Iterator[dict[str, Law]]:
+    """Register laws meanwhile in a copy of the register, which is returned."""
+    token = _SCOPE.set(dict(_registered()))
+    try:
+        yield _registered()
+    finally:
+        _SCOPE.reset(token)
+
+
+@checked
 def register(
     name: str,
     *,
@@ -207,6 +233,8 @@ def register(
         raise InputError("give one function: temperature or hysteresis", where)
     if plane is not None and (hysteresis is None or not callable(plane)):
         raise InputError("plane: must be a function, in addition to hysteresis", where)
+    if not hasattr(getattr(function, "py_func", function), "__code__"):
+        raise InputError(f"{kind}: must be a function written in Python", where)
     low, high = _two_numbers(range, "range", where)
     if not COLDEST <= low < high <= WARMEST:
         raise InputError(
@@ -235,7 +263,7 @@ def register(
         tabulate(law, law.values(None))
     else:
         check_hysteresis(law)
-    _KNOWN[name] = law
+    _registered()[name] = law
     return law
 
 
@@ -243,48 +271,49 @@ def _parameters(function: Callable[..., Any], kind: str, where: str) -> dict[str
     """Return the defaults of the arguments of a function after the first ones."""
     plain = getattr(function, "py_func", function)  # of one that numba compiles
     try:
-        found = list(inspect.signature(plain).parameters.values())
+        all_arguments = list(inspect.signature(plain).parameters.values())
     except (TypeError, ValueError):
         raise InputError("the function must be written in Python", where) from None
     arguments, words = ARGUMENTS[kind]
-    if len(found) < arguments:
+    if len(all_arguments) < arguments:
         raise InputError(f"{kind}: the function must take {words} first, then parameters", where)
-    for one in found[arguments:]:
-        if isinstance(one.default, bool) or not isinstance(one.default, int | float):
+    for argument in all_arguments[arguments:]:
+        if isinstance(argument.default, bool) or not isinstance(argument.default, int | float):
             raise InputError(
-                f"the parameter {one.name} of the function needs a number as default value", where
+                f"the parameter {argument.name} of the function needs a number as default value",
+                where,
             )
-    return {one.name: float(one.default) for one in found[arguments:]}
+    return {argument.name: float(argument.default) for argument in all_arguments[arguments:]}
 
 
-def _two_numbers(given: Any, what: str, where: str) -> tuple[float, float]:
+def _two_numbers(value: Any, key: str, where: str) -> tuple[float, float]:
     try:
-        low, high = map(float, given)
+        low, high = map(float, value)
     except (TypeError, ValueError):
-        shown = shortened(repr(given))
-        raise InputError(f"{what} = {shown}: must be two numbers", where) from None
+        value_text = short_repr(value)
+        raise InputError(f"{key} = {value_text}: must be two numbers", where) from None
     return low, high
 
 
 def _all_bounds(
-    parameters: Mapping[str, float], given: Mapping[str, tuple[float, float]], where: str
+    parameters: Mapping[str, float], stated: Mapping[str, tuple[float, float]], where: str
 ) -> dict[str, tuple[float, float]]:
     """Return the bounds of parameters; those of one with default 0 must be given."""
-    found = {}
-    for name in given:
+    all_bounds = {}
+    for name in stated:
         if name not in parameters:
             raise InputError(f'bounds: no parameter "{name}"{nearest(name, parameters)}', where)
     for name, value in parameters.items():
-        if name not in given and value == 0.0:
+        if name not in stated and value == 0.0:
             continue  # it can be set, but not be calibrated
-        ends = given.get(name) or sorted((value / BOUNDS, value * BOUNDS))
+        ends = stated.get(name) or sorted((value / BOUNDS, value * BOUNDS))
         low, high = _two_numbers(ends, f"bounds of {name}", where)
         if not low < high or not low <= value <= high:
             raise InputError(
                 f"bounds of {name} = {low:g} to {high:g}: must contain its default {value:g}", where
             )
-        found[name] = (low, high)
-    return found
+        all_bounds[name] = (low, high)
+    return all_bounds
 
 
 def _source(function: Callable[..., Any]) -> tuple[str, str]:
@@ -292,7 +321,7 @@ def _source(function: Callable[..., Any]) -> tuple[str, str]:
     plain: Any = getattr(function, "py_func", function)
     file = Path(plain.__code__.co_filename)
     if file.is_file():
-        content = file.read_bytes().replace(b"\r\n", b"\n")
+        content = read_bytes(file, LARGEST_FILE).replace(b"\r\n", b"\n")
         return str(file.absolute()), hashlib.sha256(content).hexdigest()[:8]
     try:
         text = inspect.getsource(plain)
@@ -301,6 +330,7 @@ def _source(function: Callable[..., Any]) -> tuple[str, str]:
     return "", hashlib.sha256(text.encode()).hexdigest()[:8]
 
 
+@checked
 def load(file: str | Path) -> list[str]:
     r"""Run a Python file that registers laws, and return their names.
 
@@ -330,12 +360,13 @@ def load(file: str | Path) -> list[str]:
     path = Path(file).absolute()
     if path.suffix != ".py":
         raise InputError("must be a Python file, ending in .py", str(file))
-    content, before = read_bytes(path, LARGEST_FILE), dict(_KNOWN)
+    content, laws = read_bytes(path, LARGEST_FILE), _registered()
     module = ModuleType(f"thermobearing_law_{path.stem}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module
     try:
-        exec(compile(content, path, "exec"), module.__dict__)
+        with _scope() as laws_after:
+            exec(compile(content, path, "exec"), module.__dict__)
     except (Exception, SystemExit) as error:
         frames = traceback.extract_tb(error.__traceback__)
         lines = [f", line {frame.lineno}" for frame in frames if frame.filename == str(path)]
@@ -343,10 +374,11 @@ def load(file: str | Path) -> list[str]:
         if isinstance(error, InputError):
             problems = error.lines()
         raise InputError(problems, f"{file}{lines[-1] if lines else ''}") from error
-    names = [name for name, law in _KNOWN.items() if before.get(name) is not law]
-    if not names:
+    new_laws = {name: law for name, law in laws_after.items() if laws.get(name) is not law}
+    if not new_laws:
         raise InputError("registers no law; call tb.laws.register in it", str(file))
-    return names
+    laws.update(new_laws)
+    return list(new_laws)
 
 
 def _failure(error: BaseException) -> str:
@@ -356,7 +388,7 @@ def _failure(error: BaseException) -> str:
 
 def loaded_files() -> list[str]:
     """Return the files of all registered laws, for other processes to load."""
-    return sorted({law.source for law in _KNOWN.values()} - {""})
+    return sorted({law.source for law in _registered().values()} - {""})
 
 
 def load_again(files: Sequence[str]) -> None:
@@ -366,35 +398,42 @@ def load_again(files: Sequence[str]) -> None:
 
 
 @contextmanager
-def applied(given: Sequence[str | Path]) -> Iterator[None]:
-    """Use laws, by name or file, in every bearing that is loaded meanwhile.
+def applied(references: Sequence[str | Path]) -> Iterator[None]:
+    """Use laws, by name or file, in every bearing that this context loads meanwhile.
+
+    Laws of the files are registered meanwhile only, and in this thread: the threads of an analysis
+    get constants, in which no law is looked up.
 
     A bearing that names a registered law gets no other registered one. Of several laws of one kind
     in files one is chosen by its name, here or in the bearing.
     """
-    files = [str(one) for one in given]
-    names = [n for one in files for n in (load(one) if one.endswith(".py") else [one])]
-    laws = [find_law(name) for name in dict.fromkeys(names)]
-    kinds = [law.kind for law in laws]
-    chosen = [law for law in laws if {law.name, law.value} & set(files)]
-    for law, other in combinations(chosen, 2):
-        if law.kind == other.kind:
-            raise InputError(f"--law {law.name}: is a {law.kind} law, and so is {other.name}")
-    _APPLIED[:] = [law.name for law in laws if law in chosen or kinds.count(law.kind) == 1]
-    try:
-        yield
-    finally:
-        _APPLIED.clear()
+    files = [str(reference) for reference in references]
+    with _scope():
+        names: list[str] = []
+        for reference in files:
+            names += load(reference) if reference.endswith(".py") else [reference]
+        laws = [find_law(name) for name in dict.fromkeys(names)]
+        kinds = [law.kind for law in laws]
+        chosen = [law for law in laws if {law.name, law.value} & set(files)]
+        for law, second in combinations(chosen, 2):
+            if law.kind == second.kind:
+                raise InputError(f"--law {law.name}: is a {law.kind} law, and so is {second.name}")
+        usable = [law for law in laws if law in chosen or kinds.count(law.kind) == 1]
+        token = _APPLIED.set(tuple(law.name for law in usable))
+        try:
+            yield
+        finally:
+            _APPLIED.reset(token)
 
 
 def laws_to_apply() -> list[str]:
     """Return the laws of `applied`, empty outside of it."""
-    return list(_APPLIED)
+    return list(_APPLIED.get())
 
 
 def known_laws() -> dict[str, Law]:
     """Return the laws of the package and the registered ones, by name."""
-    return built_in_laws() | _KNOWN
+    return built_in_laws() | _registered()
 
 
 def find_law(reference: str, kind: str = "") -> Law:
@@ -402,10 +441,14 @@ def find_law(reference: str, kind: str = "") -> Law:
     name, _, digest = reference.partition(MARK)
     law = known_laws().get(name)
     if law is None:
-        alike = [n for n, one in known_laws().items() if not kind or one.key == f"{kind}_law.law"]
+        candidates = [
+            n
+            for n, candidate in known_laws().items()
+            if not kind or candidate.key == f"{kind}_law.law"
+        ]
         raise InputError(
             f'law = "{reference}": is not registered; give the file that registers it (--law FILE, '
-            f"or tb.laws.load(FILE) in Python){nearest(name, alike)}"
+            f"or tb.laws.load(FILE) in Python){nearest(name, candidates)}"
         )
     if kind and law.kind != kind:
         raise InputError(f'law = "{reference}": is a {law.kind} law, not a {kind} law')
@@ -422,40 +465,45 @@ def find_law(reference: str, kind: str = "") -> Law:
 @cache
 def _compiled(law: Law) -> list[tuple[int, Any]]:
     """Return the C functions on a line and in a plane: addresses, and what must stay alive."""
-    both = enumerate((law.function, law.plane), 1)
-    return [_c_function(f, k, len(law.parameters)) if f else (0, None) for k, f in both]
+    functions = enumerate((law.function, law.plane), 1)
+    return [_c_function(f, k, len(law.parameters)) if f else (0, None) for k, f in functions]
 
 
 def _c_function(function: Callable[..., Any], components: int, parameters: int) -> tuple[int, Any]:
     """Return the address of a C function, compiled by numba where possible, and its object."""
-    given = 2 * components
-    used, results = given + parameters, COMPONENTS[components]
+    state_count = 2 * components
+    argument_count, results = state_count + parameters, COMPONENTS[components]
     if not has_numba() or os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
 
         def _write(*numbers: Any) -> None:
-            for k, one in enumerate(function(*numbers[:used])):
-                numbers[-1][k] = one
+            for k, number in enumerate(function(*numbers[:argument_count])):
+                numbers[-1][k] = number
 
-        called = law_type(components)(_write)
-        return ctypes.cast(called, ctypes.c_void_p).value or 0, called
+        callback = law_type(components)(_write)
+        return ctypes.cast(callback, ctypes.c_void_p).value or 0, callback
     import numba
 
     inner: Any = function
     if not hasattr(function, "py_func"):
         inner = numba.njit(error_model="numpy")(function)
-    names = [f"a{k}" for k in range(given + MOST_PARAMETERS)]
-    lines = [f"def law({', '.join(names)}, out):", f"    r = inner({', '.join(names[:used])})"]
+    names = [f"a{k}" for k in range(state_count + MOST_PARAMETERS)]
+    # A C function returns one number and has fixed arguments: this one writes into `out`, and
+    # takes parameters that the law does not have.
+    lines = [
+        f"def law({', '.join(names)}, out):",
+        f"    r = inner({', '.join(names[:argument_count])})",
+    ]
     lines += [f"    out[{k}] = r[{k}]" for k in range(results)]
     space: dict[str, Any] = {"inner": inner}
     exec("\n".join(lines), space)
     kinds: Any = numba.types
-    wanted = kinds.void(*[kinds.float64] * len(names), kinds.CPointer(kinds.float64))
+    signature = kinds.void(*[kinds.float64] * len(names), kinds.CPointer(kinds.float64))
     try:
-        made = numba.cfunc(wanted)(space["law"])
+        compiled = numba.cfunc(signature)(space["law"])
     except numba.core.errors.NumbaError as error:
-        about = shortened(str(error).strip().splitlines()[-1], 200)
-        raise InputError(f"{function.__name__}: numba cannot compile it: {about}") from None
-    return made.address or 0, made
+        error_text = shortened(str(error).strip().splitlines()[-1], 200)
+        raise InputError(f"{function.__name__}: numba cannot compile it: {error_text}") from None
+    return compiled.address or 0, compiled
 
 
 def check_hysteresis(law: Law) -> None:
@@ -477,8 +525,8 @@ def _check_line(law: Law, on_line: Move, in_plane: Move) -> None:
     for z, d in product((-0.7, 0.4), (-1.3, 0.2)):
         after, slope = on_line(np.array([z]), np.array([d]))
         turned, slopes = in_plane(z * AXIS, d * AXIS)
-        one = [*after * AXIS, slope[0, 0]]
-        if not np.allclose([*turned, AXIS @ slopes @ AXIS], one, rtol=0.0, atol=SLOPE_ERROR):
+        expected = [*after * AXIS, slope[0, 0]]
+        if not np.allclose([*turned, AXIS @ slopes @ AXIS], expected, rtol=0.0, atol=SLOPE_ERROR):
             raise InputError(
                 f'law "{law.name}": the function plane differs from hysteresis on the line through '
                 f"(0.6, 0.8), from Z = {z:g} by {d:g}"
@@ -490,35 +538,35 @@ def _moved(
 ) -> tuple[Floats, Floats]:
     """Return Z after an increment [c] and its slope [c, c]."""
     where = f'law "{law.name}" from Z = {_shown(z)} by {_shown(d)}'
-    found = _numbers(function, (*z.tolist(), *d.tolist(), *values), COMPONENTS[len(z)], where)
-    if not np.isfinite(found).all() or np.abs(found[: len(z)]).max() > LARGEST_Z:
+    returned = _numbers(function, (*z.tolist(), *d.tolist(), *values), COMPONENTS[len(z)], where)
+    if not np.isfinite(returned).all() or np.abs(returned[: len(z)]).max() > LARGEST_Z:
         raise InputError(
-            f"{where}: returns {_shown(found)}: must be finite, and Z from -{LARGEST_Z:g} to "
+            f"{where}: returns {_shown(returned)}: must be finite, and Z from -{LARGEST_Z:g} to "
             f"{LARGEST_Z:g} (relative to d_y)"
         )
-    return found[: len(z)], found[len(z) :].reshape(len(z), len(z))
+    return returned[: len(z)], returned[len(z) :].reshape(len(z), len(z))
 
 
-def _numbers(function: Any, given: tuple[float, ...], count: int, where: str) -> Floats:
+def _numbers(function: Any, arguments: tuple[float, ...], count: int, where: str) -> Floats:
     """Return what the function of a law returns, whatever may fail in it."""
     try:
-        found = np.array(function(*given), dtype=float)
+        numbers = np.array(function(*arguments), dtype=float)
     except Exception as error:
         raise InputError(f"{where}: {_failure(error)}") from None
-    if found.shape != (count,):
+    if numbers.shape != (count,):
         raise InputError(f"{where}: must return {count} numbers")
-    return found
+    return numbers
 
 
 def _shown(numbers: Floats) -> str:
-    return ", ".join(f"{one:.4g}" for one in numbers)
+    return ", ".join(f"{number:.4g}" for number in numbers)
 
 
 def _check_slope(law: Law, move: Move, z: Floats, d: Floats) -> None:
     """Compare the slope with differences, of one side where it jumps."""
     after, slope = move(z, d)
-    for k, one in enumerate(np.eye(len(z))):
-        sides = [(move(z, d + h * one)[0] - after) / h for h in (SLOPE_STEP, -SLOPE_STEP)]
+    for k, direction in enumerate(np.eye(len(z))):
+        sides = [(move(z, d + h * direction)[0] - after) / h for h in (SLOPE_STEP, -SLOPE_STEP)]
         error = min(np.abs(side - slope[:, k]).max() for side in [*sides, sum(sides) / 2])
         if error > SLOPE_ERROR:
             raise InputError(
@@ -535,7 +583,9 @@ def _check_cycle(law: Law, move: Move, axes: Floats) -> None:
         path = np.column_stack([np.sin(angle), 1.0 - np.cos(angle)])[:, : len(axes)] @ axes
         z, work, largest = np.zeros(len(axes)), 0.0, 0.0
         for k, d in enumerate(np.diff(path, axis=0)):
-            before, (z, _) = z, move(z, d)
+            before = z
+            z, _ = move(before, d)
+            # The second of two cycles counts: the first begins away from the steady loop.
             work += float(0.5 * (before + z) @ d) if k >= parts else 0.0
             largest = max(largest, float(np.abs(z).max()))
         if work < -ENERGY_ERROR * max(largest, 1e-3) * axes.max():
@@ -545,6 +595,7 @@ def _check_cycle(law: Law, move: Move, axes: Floats) -> None:
             )
         ends.append(z)
     first, second = (float(np.abs(b - a).max()) for a, b in pairwise(ends))
+    # Half the increments halve a change of first order; 0.7 leaves room for slower laws.
     if second > max(CONVERGED, 0.7 * first):
         raise InputError(
             f'law "{law.name}": Z in a cycle of amplitude {axes.max():g} d_y does not converge '
@@ -555,11 +606,11 @@ def _check_cycle(law: Law, move: Move, axes: Floats) -> None:
 def _check_compiled(law: Law, components: int, move: Move, values: tuple[float, ...]) -> None:
     """Compare the C function with the Python function."""
     z, d = np.array([0.3, -0.4])[:components], np.array([-0.7, 0.2])[:components]
-    room = (ctypes.c_double * COMPONENTS[components])()
-    more = (*values, *[0.0] * (MOST_PARAMETERS - len(values)))
-    law_type(components)(law.addresses[components - 1])(*z, *d, *more, room)
+    output = (ctypes.c_double * COMPONENTS[components])()
+    parameters = (*values, *[0.0] * (MOST_PARAMETERS - len(values)))
+    law_type(components)(law.addresses[components - 1])(*z, *d, *parameters, output)
     after, slope = move(z, d)
-    if not np.allclose(room, [*after, *slope.ravel()], rtol=1e-9, atol=1e-12):
+    if not np.allclose(output, [*after, *slope.ravel()], rtol=1e-9, atol=1e-12):
         raise InputError(f'law "{law.name}": compiled by numba it gives other numbers')
 
 
@@ -579,6 +630,7 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
         return _log_factors(law, values, t), rise / (after - before)
 
     def _fits(a: float, b: float) -> bool:
+        # Cubic Hermite polynomial of the values f and slopes s at both ends.
         (fa, sa), (fb, sb), h = _at(a), _at(b), b - a
         for s in (0.25, 0.5, 0.75):
             left, right = s * (1.0 - s) ** 2 * h * sa, s * s * (1.0 - s) * h * sb
@@ -587,12 +639,12 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
                 return False
         return True
 
-    found: list[float] = []
+    nodes: list[float] = []
 
     def _add_nodes(a: float, b: float) -> None:
         """Add the nodes in [a, b)."""
         if _fits(a, b):
-            found.append(a)
+            nodes.append(a)
         elif b - a < SHORTEST:
             raise InputError(
                 f'law "{law.name}": jumps, or changes too abruptly, at {round(b, 3) + 0.0:g} degC; '
@@ -601,7 +653,7 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
         else:
             _add_nodes(a, 0.5 * (a + b))
             _add_nodes(0.5 * (a + b), b)
-        if len(found) > MOST_PIECES:
+        if len(nodes) > MOST_PIECES:
             raise InputError(
                 f'law "{law.name}": changes too abruptly between {low:g} and {b:.4g} degC for a '
                 f"table of {MOST_PIECES} pieces; give another range, or a smoother function"
@@ -609,15 +661,17 @@ def tabulate(law: Law, values: tuple[float, ...]) -> tuple[Floats, Floats, Float
 
     for a, b in pairwise(np.linspace(low, high, math.ceil((high - low) / FIRST_STEP) + 1).tolist()):
         _add_nodes(a, b)
-    found.append(high)
-    logs, slopes = np.array([_at(t) for t in found]).transpose(1, 0, 2)
-    return np.array(found), logs, slopes
+    nodes.append(high)
+    logs, slopes = np.array([_at(t) for t in nodes]).transpose(1, 0, 2)
+    return np.array(nodes), logs, slopes
 
 
 def _log_factors(law: Law, values: tuple[float, ...], temperature: float) -> Floats:
     """Return the logarithms of both factors at a temperature [degC]."""
-    shown = law.shown(values)
-    where = f'law "{law.name}" at {temperature:.4g} degC' + (f" with {shown}" if shown else "")
+    parameters = law.shown(values)
+    where = f'law "{law.name}" at {temperature:.4g} degC'
+    if parameters:
+        where = f"{where} with {parameters}"
     factors = _numbers(law.function, (temperature, *values), 2, where)
     for name, factor in zip(("elastic", "hysteretic"), factors, strict=True):
         if not SMALLEST <= factor <= LARGEST:

@@ -6,7 +6,9 @@ from pathlib import Path
 from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file, is_folder
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError
+from thermobearing.border.opener import is_file, is_folder
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.result import Result
 from thermobearing.earthquake.result import EarthquakeResult
@@ -21,6 +23,7 @@ WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence", "serve"}  # commands
 AnyResult = Result | EarthquakeResult | SequenceResult | ServedResult | StudyResult | SavedResult
 
 
+@checked
 def load_result(path: str | Path) -> AnyResult:
     """Load a saved result of any command.
 
@@ -65,15 +68,15 @@ def load_result(path: str | Path) -> AnyResult:
     return Result(read_dataset(path, ("bearing", "case", "segments")))
 
 
-def _with_bearings(found: SavedResult) -> SavedResult:
+def _with_bearings(result: SavedResult) -> SavedResult:
     """Return the bearing that was identified, or those that were designed, read too."""
-    if found.command in WITH_DATASET:
-        raise InputError(f"no result.nc there, which {found.command} writes", str(found.path))
-    files = [found.path / IDENTIFIED, *sorted((found.path / BEARINGS).glob("*.toml"))]
-    if found.outcome == POOR_FIT:  # its file is marked, and does not load
+    if result.command in WITH_DATASET:
+        raise InputError(f"no result.nc there, which {result.command} writes", str(result.path))
+    files = [result.path / IDENTIFIED, *sorted((result.path / BEARINGS).glob("*.toml"))]
+    if result.outcome == POOR_FIT:  # its file is marked, and does not load
         files = files[1:]
     loaded = [_read_bearing(file) for file in files if is_file(file)]
-    return replace(found, bearings={bearing.name: bearing for bearing in loaded})
+    return replace(result, bearings={bearing.name: bearing for bearing in loaded})
 
 
 def _read_bearing(file: Path) -> Bearing | BilinearBearing:

@@ -10,27 +10,30 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
-from thermobearing.border.errors import InputError, OutputError, is_file, is_folder
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, OutputError
+from thermobearing.border.opener import is_file, is_folder
 from thermobearing.border.schema import validated
 from thermobearing.border.text_file import write_through
-from thermobearing.histories import histories_by_run
+from thermobearing.border.title import TitleBlock, read_title
 from thermobearing.live.report import live_section
-from thermobearing.loading import AnyResult, load_result
 from thermobearing.report.content import comparison_pieces, pieces_of_saved
 from thermobearing.report.figures import drawn
-from thermobearing.report.html import html_page
+from thermobearing.report.markdown import check_packages
 from thermobearing.report.pdf import pdf_bytes, the_compiler
 from thermobearing.report.pieces import Pieces
 from thermobearing.report.template import document, on_paper
-from thermobearing.report.title import TitleBlock, read_title
 from thermobearing.report.workbook import workbook_bytes
 from thermobearing.results.directory import (
     CERTIFICATE_HTML,
     CERTIFICATE_PDF,
     COMPARISON,
+    LINKS,
     LOGO,
+    MODES_FILE,
+    PROPERTIES,
     REPORT_HTML,
     REPORT_PDF,
     SUMMARY,
@@ -40,24 +43,38 @@ from thermobearing.results.directory import (
 )
 from thermobearing.results.saved import SavedResult
 
+if TYPE_CHECKING:
+    from thermobearing.loading import AnyResult
+
 DOCUMENTS = (REPORT_HTML, REPORT_PDF, WORKBOOK, CERTIFICATE_HTML, CERTIFICATE_PDF)
-WRITTEN = (*DOCUMENTS, TITLE, LOGO)
+WRITTEN = (*DOCUMENTS, TITLE, LOGO, PROPERTIES, LINKS, MODES_FILE)
 # Packages whose `report.py` gives the content of the document of a command.
 PACKAGES = {
-    **{"cyclic": "cyclic", "bridge": "earthquake", "hybrid": "earthquake"},
-    **{"sequence": "sequences", "identify": "identify", "validate": "validate"},
-    **dict.fromkeys(("design", "bounds", "lambda"), "design"),
-    **{"study": "studies", "serve": "opensees"},
-    **dict.fromkeys(("structures show", "structures import"), "structure"),
-    **dict.fromkeys(("motions show", "motions make", "motions spectrum"), "motions"),
+    "cyclic": "cyclic",
+    "bridge": "earthquake",
+    "hybrid": "earthquake",
+    "sequence": "sequences",
+    "serve": "opensees",
+    "identify": "identify",
+    "validate": "validate",
+    "design": "design",
+    "bounds": "design",
+    "lambda": "design",
+    "study": "studies",
+    "structures show": "structure",
+    "structures import": "structure",
+    "motions show": "motions",
+    "motions make": "motions",
+    "motions spectrum": "motions",
 }
 COMPARED = {"cyclic", "bridge", "hybrid"}  # commands with --compare
 # Exceptions that edited files, or files of another version, raise.
 UNFIT = (OSError, LookupError, TypeError, ValueError, AttributeError, AssertionError)
 
 
+@checked
 def make_report(
-    result: AnyResult | str | Path,
+    result: "AnyResult | str | Path",
     directory: str | Path | None = None,
     *,
     title: TitleBlock | Mapping[str, str] | None = None,
@@ -68,18 +85,22 @@ def make_report(
     live: bool = True,
     certificate: bool = False,
 ) -> list[Path]:
-    """Write report.html and report.pdf of a result into its directory; nothing is run again.
+    """Write report.html and report.pdf of a result into its directory.
+
+    Nothing is run again, but one or two runs of a bridge: those that govern, with rubber in the
+    other state (virgin for tested), for the summary on the first page.
 
     Parameters
     ----------
     result : a result, or the directory of one.
     directory : that a result was saved in; of a path not needed.
-    title : title block (project, structure, client, author, number, date, revision, logo);
-        missing values are those of report.toml in the directory.
+    title : title block (project, structure, client, author, checked, approved, number, date,
+        revision, logo); missing values are those of report.toml in the directory.
     template : Markdown file that orders the pieces; None for that of the package.
-    html : write report.html; without it report.pdf is not written either.
-    pdf : write report.pdf too; needs the extra `report`.
-    workbook : write report.xlsx too; needs the extra `report`.
+    html : write report.html; without it report.pdf is not written either. All three formats need
+        the extra `report`.
+    pdf : write report.pdf too.
+    workbook : write report.xlsx too.
     live : let report.html of a cyclic test or a bridge compute the analysis again in the browser,
         at other temperatures and strains; needs kernels for web pages (`make kernels`), without
         which the section is left out.
@@ -107,42 +128,72 @@ def make_report(
     ...     print(*(file.name for file in files))
     report.html
     """
-    given = validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
+    stated_title = (
+        validated(TitleBlock, dict(title), "title") if isinstance(title, Mapping) else title
+    )
     file = Path(template) if template is not None else None
     place = _report_place(result, directory)
     _check_place(place)
-    kept = place / TITLE
-    block = (given or TitleBlock()).over(read_title(kept if is_file(kept) else None))
-    loaded = load_result(result) if isinstance(result, str | Path) else result
+    title_file = place / TITLE
+    block = (stated_title or TitleBlock()).over(
+        read_title(title_file if is_file(title_file) else None)
+    )
+    # A path alone needs the readers of all results, which a result in memory does not import.
+    loaded = _load(result) if isinstance(result, str | Path) else result
     if certificate:
         return _write_certificate(place, block, file, pdf=pdf)
-    pieces = build_pieces(loaded, place)
+    kinds = {"html": html, "pdf": pdf, "workbook": workbook, "live": live}
+    return _report_of_result(loaded, place, block, file, **kinds)
+
+
+def _report_of_result(
+    result: "AnyResult",
+    place: Path,
+    block: TitleBlock,
+    template: Path | None,
+    *,
+    html: bool,
+    pdf: bool,
+    workbook: bool,
+    live: bool,
+) -> list[Path]:
+    """Write the documents of a result into a directory."""
+    pieces = build_pieces(result, place)
     if html and live:
-        pieces = replace(pieces, live=live_section(loaded))
-    content = _title_files(block)
+        pieces = replace(pieces, live=live_section(result))
+    content = _title_files(block) | dict(pieces.files)
     if html:
-        content |= report_files(pieces, block, file, pdf=pdf)
+        content |= report_files(pieces, block, template, pdf=pdf)
     if workbook:
-        content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(loaded))
+        from thermobearing.histories import histories_by_run
+
+        content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(result))
     return put_files(place, content)
+
+
+def _load(path: str | Path) -> "AnyResult":
+    """Return the result of a directory, whatever analysis it is of."""
+    from thermobearing.loading import load_result
+
+    return load_result(path)
 
 
 def _write_certificate(
     place: Path, block: TitleBlock, template: Path | None, *, pdf: bool
 ) -> list[Path]:
     """Write the certificate of a calibration that is saved in a directory."""
-    from thermobearing.identify.report import build_certificate
+    from thermobearing.identify.certificate import build_certificate
 
-    saved = load_result(place)
+    saved = _load(place)
     if not isinstance(saved, SavedResult):
         raise InputError("only a calibration (`identify`) has a certificate", str(place))
     pieces = _dated(_consistent(lambda: build_certificate(saved), place), place)
     names = CERTIFICATE_HTML, CERTIFICATE_PDF
-    made = report_files(pieces, block, template, pdf=pdf, names=names)
-    return put_files(place, _title_files(block) | made)
+    files = report_files(pieces, block, template, pdf=pdf, names=names)
+    return put_files(place, _title_files(block) | files)
 
 
-def _report_place(result: AnyResult | str | Path, directory: str | Path | None) -> Path:
+def _report_place(result: "AnyResult | str | Path", directory: str | Path | None) -> Path:
     """Return the directory that documents go into."""
     if directory is not None:
         return Path(directory)
@@ -154,7 +205,7 @@ def _report_place(result: AnyResult | str | Path, directory: str | Path | None) 
     return path.parent if is_file(path) else path  # result.nc of a directory stands for it
 
 
-def build_pieces(result: AnyResult, directory: Path) -> Pieces:
+def build_pieces(result: "AnyResult", directory: Path) -> Pieces:
     """Return the content of the report of a result.
 
     It includes the comparison with earlier models and the date of the files in the directory.
@@ -162,12 +213,12 @@ def build_pieces(result: AnyResult, directory: Path) -> Pieces:
     return _dated(_consistent(lambda: _pieces(result, directory), directory), directory)
 
 
-def _pieces(result: AnyResult, directory: Path) -> Pieces:
+def _pieces(result: "AnyResult", directory: Path) -> Pieces:
     summary = result.summary if isinstance(result, SavedResult) else result.summary()
     command = str(summary["command"])
     if command in PACKAGES:
-        room = import_module(f"thermobearing.{PACKAGES[command]}.report")
-        pieces = cast(Pieces, room.build_pieces(result))
+        module = import_module(f"thermobearing.{PACKAGES[command]}.report")
+        pieces = cast(Pieces, module.build_pieces(result))
     else:
         pieces = pieces_of_saved(cast(SavedResult, result))
     if command in COMPARED and is_file(directory / COMPARISON):
@@ -228,12 +279,15 @@ def report_files(
 
     Without `pdf`, a report.pdf that is there goes, since it would show another state.
     """
-    made = document(pieces, title.words(), title.logo_bytes(), template)
+    check_packages()
+    from thermobearing.report.html import html_page  # which imports these packages
+
+    page = document(pieces, title.words(), title.logo_bytes(), template)
     if not pdf:
-        return {names[0]: html_page(made).encode(), names[1]: None}
+        return {names[0]: html_page(page).encode(), names[1]: None}
     the_compiler()  # before anything is drawn
-    shown = drawn(made)
-    return {names[0]: html_page(shown).encode(), names[1]: pdf_bytes(on_paper(shown))}
+    drawn_page = drawn(page)
+    return {names[0]: html_page(drawn_page).encode(), names[1]: pdf_bytes(on_paper(drawn_page))}
 
 
 def _title_files(title: TitleBlock) -> dict[str, bytes | None]:
@@ -241,8 +295,8 @@ def _title_files(title: TitleBlock) -> dict[str, bytes | None]:
     if title == TitleBlock():
         return {TITLE: None, LOGO: None}
     logo = title.logo_bytes()
-    kept = title.model_copy(update={"logo": LOGO if logo is not None else None})
-    return {TITLE: kept.to_toml().encode(), LOGO: logo}
+    saved_title = title.model_copy(update={"logo": LOGO if logo is not None else None})
+    return {TITLE: saved_title.to_toml().encode(), LOGO: logo}
 
 
 def keep_title(directory: Path, title: TitleBlock) -> None:
@@ -289,12 +343,12 @@ def _exchange(partial: Path, final: Path, names: list[str]) -> None:
         else:
             (final / name).unlink(missing_ok=True)
 
-    begun = []
+    moved_names = []
     try:
         for name in names:
-            begun.append(name)
+            moved_names.append(name)
             _move(partial, name)
     except BaseException:  # Ctrl-C too
-        for name in begun:
+        for name in moved_names:
             _move(earlier, name)
         raise

@@ -29,13 +29,15 @@ STEPS: list[Any] = [
     {"step": "rest", "duration": "600 s"},
     {"step": "cycles", "strain": 0.5, "speed": "40 mm/s", "count": 2, "closing_strain": 0.1},
 ]
-ONE_SIDED = {"upper_face": EndFace(eta=1.0), "side": Side(film=12.0, cover=5.0)}
+ONE_SIDED: dict[str, Any] = {"upper_face": EndFace(eta=1.0), "side": Side(film=12.0, cover=5.0)}
+PUBLISHED = ModelOptions(scheme="published", integrator="euler")
+CLOSED = ModelOptions(hardening="monotone", small_loops="closed")
 TESTS: dict[str, tuple[str, CyclicTest, dict[str, Any]]] = {
     "steps": (LHDR, CyclicTest(steps=STEPS, dt=0.01), {}),
-    "half-space": (LHDR, SHORT, {"lead_ends": "half-space", "clock": "lead"}),
-    "published": (HDR, SHORT, {"scheme": "published", "integrator": "euler", "dt": 0.005}),
-    "faces": (LRB, SHORT, {"model": ModelOptions(**ONE_SIDED), "heat_source": "work"}),
-    "loops": (HDR, SHORT, {"hardening": "monotone", "small_loops": "closed", "keep": ["cells"]}),
+    "half-space": (LHDR, SHORT, {"model": ModelOptions(lead_ends="half-space", clock="lead")}),
+    "published": (HDR, SHORT, {"model": PUBLISHED, "dt": 0.005}),
+    "faces": (LRB, SHORT, {"model": ModelOptions(heat_source="work", **ONE_SIDED)}),
+    "loops": (HDR, SHORT, {"model": CLOSED, "keep": ["cells"]}),
     "one temperature": (LHDR, SHORT, {"model": "single-temperature"}),
     "lead alone": (LHDR, SHORT, {"model": "lead-alone"}),
 }
@@ -44,7 +46,8 @@ BRIDGES: dict[str, dict[str, Any]] = {
     "cut": {"duration": 8.005},
     "two piers": {"duration": 6.0, "structure": TWO_PIERS, "dt": 0.01},
     "options": {"duration": 6.0, "fixed_base": True, "damping": "rayleigh", "mass": "published",
-                "method": "linear-acceleration", "dt": 0.004, "lead_ends": "half-space"},
+                "method": "linear-acceleration", "dt": 0.004,
+                "model": ModelOptions(lead_ends="half-space")},
 }  # fmt: skip
 
 QUICK = {"steps"}  # the others show the same on more, bridges in test_live_page.py too

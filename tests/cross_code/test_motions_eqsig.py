@@ -20,7 +20,7 @@ MOTIONS = ["jra-i-ii-1", "jra-ii-i-2", "jra-ii-iii-3"]
 
 
 @pytest.mark.parametrize("damping", quick_cases([0.02, 0.05, 0.2], 1))
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", quick_cases(MOTIONS, 1))
 def test_spectra_are_those_of_eqsig(name: str, damping: float, measured: Recorder) -> None:
     motion = load_motion(name)
     periods = np.geomspace(0.07, 5.0, 60)  # eqsig takes shorter periods as rigid
@@ -61,6 +61,7 @@ def test_measures_are_those_of_eqsig(name: str) -> None:
     assert ours.pgv == pytest.approx(np.abs(other.velocity).max(), rel=1e-9)
 
 
+@pytest.mark.thorough
 def test_rotated_responses_are_those_of_eqsig(measured: Recorder) -> None:
     """eqsig rotates the records, in the other sense."""
     pair = MotionPair(load_motion("jra-ii-i-1"), load_motion("jra-ii-i-2"))

@@ -1,27 +1,33 @@
 """An imported frame, and the structure that it becomes, in OpenSees."""
 
+import runpy
 from pathlib import Path
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.cross_code.test_opensees_script import executed
 from tests.opensees import needs_opensees, ops
-from tests.verification.frames import PIER_PYTHON, written
+from tests.verification.frames import PIER_PYTHON
 from thermobearing.structure.frame import Element, Frame, Node
 from thermobearing.structure.model import GROUND
+
+EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "frame_table.py"
 
 
 @needs_opensees
 def test_a_frame_has_the_periods_of_opensees(tmp_path: Path) -> None:
-    """The script in OpenSees and as it is read; then the structure, exported, in OpenSees again."""
-    imported = tb.import_frame(written(tmp_path, "pier.py", PIER_PYTHON), units="kN-m")
+    """The table that the example's function writes; then the structure, exported, in OpenSees."""
+    write_frame = runpy.run_path(str(EXAMPLE))["write_frame"]
     end = "import math\nperiods = [2.0 * math.pi / value**0.5 for value in values]\n"
-    assert_allclose(
-        imported.frame.modes().periods[:4], executed(PIER_PYTHON + end)[:4], rtol=tol.SAME_FRAME
-    )
+    periods = executed(PIER_PYTHON + end)
+    write_frame(ops, tmp_path / "frame.csv")
+    imported = tb.import_frame(tmp_path / "frame.csv")
+    assert imported.mass == pytest.approx(1e-3 * (227.5 + 206.3 + 140 + 400 + 2.0 * 3.75))
+    assert_allclose(imported.frame.modes().periods[:4], periods[:4], rtol=tol.SAME_FRAME)
     tb.opensees.write_structure(imported.structure, tmp_path / "again.py")
     again = executed((tmp_path / "again.py").read_text())
     assert_allclose(again, imported.table["period_s"], rtol=tol.OPENSEES_SCRIPT_PERIODS)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import pytest
 
 import thermobearing as tb
 from tests import tolerances as tol
@@ -101,6 +102,7 @@ def compare(mine: Floats, theirs: Floats, name: str, measured: Recorder) -> None
     )
 
 
+@pytest.mark.thorough
 def test_a_deck_on_bilinear_bearings(measured: Recorder) -> None:
     """Bearings at one end are stronger, so that the deck twists by its stiffness too."""
     ground = kobe(0, 4000)

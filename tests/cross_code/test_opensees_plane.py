@@ -1,9 +1,11 @@
-"""Bearings in a horizontal plane against two elements of OpenSees.
+"""Bearings in a horizontal plane against three elements of OpenSees.
 
 ElastomericBearingPlasticity has a circular yield surface, as lead cores have here.
 LeadRubberX, without its effects of temperature, has the smooth law of rubber layers here (s = 1/9)
 in the coupling of Park, Wen and Ang (1986): both laws agree where the force follows the motion, and
 differ while a component unloads, in LeadRubberX by an amount that depends on the choice of axes.
+YamamotoBiaxialHDR is another law of high-damping rubber, of full-scale tests in two directions
+(Yamamoto et al. 2012): only how much less stress it has on a circle than on a line is compared.
 """
 
 import math
@@ -18,15 +20,21 @@ from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
 from tests.quick import quick_cases
 from tests.shared_data import shared_data
-from tests.verification.test_plane import circle, moved, turned, wandering
+from tests.verification.test_plane import circle, moved, rubber_forces, turned, wandering
+from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.model import SmallLoops
 from thermobearing.core.types import Constants, Floats
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+from thermobearing.model.element import BearingElement
+from thermobearing.model.options import ModelOptions
 
 pytestmark = needs_opensees
 
 STRENGTH, POST_YIELD, INITIAL = 120.0, 1.2, 15.0  # kN, kN/mm, kN/mm
 YIELD = STRENGTH / (INITIAL - POST_YIELD)  # mm
 AXES = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+YAMAMOTO_RUBBER = 160.0  # mm
+SMALL_LOOP_LAWS: tuple[SmallLoops, ...] = ("published", "closed")
 FINE = 10  # steps for one of PATHS: LeadRubberX has an error of first order in the step
 
 
@@ -64,6 +72,12 @@ def lead_rubber_x() -> None:
     heat = (11200.0, 130.0, 50.0, 1.41e-5)  # of lead and steel, without effect
     numbers = (STRENGTH, POST_YIELD / INITIAL, shear, 2.0, lead, outer, shim, rubber, layers)
     ops.element("LeadRubberX", 1, 1, 2, *numbers, *AXES, *vertical, *heat, 0, 0, 0, 0, 0)
+
+
+def yamamoto() -> None:
+    """A round bearing of 800 mm with 160 mm of rubber, in N and mm; it carries no axial force."""
+    ops.element("YamamotoBiaxialHDR", 1, 1, 2, 1, 800.0, 20.0, YAMAMOTO_RUBBER, "-orient", *AXES)
+    ops.element("zeroLength", 2, 1, 2, "-mat", 1, "-dir", 3)
 
 
 def opensees_forces(x: Floats, element: Callable[[], None]) -> Floats:
@@ -162,4 +176,69 @@ def test_the_coupling_of_lead_rubber_x_depends_on_the_axes(name: str, measured: 
         f"{name} with sharp turns: difference from LeadRubberX; its own between axes 45 deg apart",
         f"{found:.1e}, {changed:.1e}",
         f"{tol.OPENSEES_COUPLING:g}",
+    )
+
+
+def test_stress_on_a_circle_over_that_on_a_line_against_yamamoto(measured: Recorder) -> None:
+    """A circle of 350 % over a line of 400 %: force over force in both, without twist of layers.
+
+    Full-scale tests give about 1, but of the total stress over the local strain of twisted layers.
+    """
+    shapes = ((3.5, np.array([1.0, 1.0])), (4.0, np.array([1.0, 0.0])))
+
+    def ratio(rubber: float, forces: Callable[[Floats], Floats]) -> float:
+        circular, straight = (
+            np.linalg.norm(forces(circle(strain * rubber, 3, 400) * axes)[-400:], axis=1).max()
+            for strain, axes in shapes
+        )
+        return float(circular / straight)
+
+    theirs = ratio(YAMAMOTO_RUBBER, lambda x: opensees_forces(x, yamamoto))
+    ours = ratio(30.0, lambda x: rubber_forces(x)[1])
+    assert 0.5 < theirs < 0.6
+    assert abs(ours / theirs - 1.0) < 0.2
+    measured(
+        "force on a circle of 350 % over that on a line of 400 %: ours, YamamotoBiaxialHDR",
+        f"{ours:.2f}, {theirs:.2f}",
+        "20 % apart",
+    )
+
+
+REVERSALS = (1.0, 3.0, 10.0, 20.0)  # mm, at 100 mm of the bridge bearing
+
+
+def test_force_after_a_small_loop_lies_between_both_laws(measured: Recorder) -> None:
+    """Yamamoto's law, of full-scale tests, at the same strains as the bridge bearing here.
+
+    No test of the bearing itself decides between the laws of small loops.
+    """
+    bearing = load_bearing("shen-hdr-bridge")
+    scale = YAMAMOTO_RUBBER / bearing.total_rubber_thickness
+    found: dict[str, list[float]] = {"published": [], "closed": [], "YamamotoBiaxialHDR": []}
+    for size in REVERSALS:
+        out = np.linspace(0.0, 100.0, 201)[1:]
+        loop = np.linspace(0.0, size, 41)[1:]
+        way = np.concatenate([out, 100.0 - loop, 100.0 - size + loop])
+        theirs = opensees_forces(scale * np.stack([way, np.zeros_like(way)], axis=1), yamamoto)
+        forces = {"YamamotoBiaxialHDR": theirs[:, 0]}
+        for law in SMALL_LOOP_LAWS:
+            element = BearingElement(bearing, 23.0, model=ModelOptions(small_loops=law))
+            moves = []
+            for x in way:
+                moves.append(element.set_trial(float(x), 0.01).force)
+                element.commit()
+            forces[law] = np.array(moves)
+        for name, force in forces.items():
+            found[name].append(100.0 * float(force[-1] / force[len(out) - 1] - 1.0))
+    published, closed, between = map(np.array, found.values())
+    assert (np.abs(closed) < 0.5).all()
+    assert (between[:3] > published[:3]).all()
+    assert (between < -2.0).all()
+    measured(
+        "force at 100 mm after reversals of 1, 3, 10, 20 mm: published, closed, YamamotoBiaxialHDR",
+        "; ".join(
+            ", ".join(f"{value:.0f}".replace("-0", "0") for value in values) + " %"
+            for values in found.values()
+        ),
+        "Yamamoto between the others up to 10 mm",
     )

@@ -90,6 +90,7 @@ def off(found: Floats, right: Floats) -> float:
     return float(np.abs(found - right).max() / np.abs(right).max())
 
 
+@pytest.mark.thorough
 def test_one_mass_against_our_integrator(
     line: Line, expected: tuple[Floats, tb.BearingElement], measured: Recorder, tmp_path: Path
 ) -> None:
@@ -236,7 +237,7 @@ signal.signal(signal.SIGINT, lambda *_: None)
 with serve(BEARING, ambient=AMBIENT) as line:
     one_mass(line.element(1, (1, 2)))
     print("start", flush=True)
-    print("analysed", ops.analyze(150, DT / 4), flush=True)
+    print("analysed", ops.analyze(50, DT / 4), flush=True)
     ops.wipe()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 """

@@ -4,6 +4,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import thermobearing as tb
 from benchmarks.scalar_c import CLOSE, FLAGS, SOURCE, compiled_march, own_march, steps
@@ -12,6 +13,7 @@ from tests.fixtures.kernels import c_compiler
 from thermobearing.model.options import build_model
 
 
+@pytest.mark.thorough
 def test_march_of_the_specimen_agrees_with_c(tmp_path: Path, measured: Recorder) -> None:
     """Force, energies and temperatures after twenty cycles at 150 % strain and -20 degC."""
     library = tmp_path / "step.so"

@@ -14,7 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import thermobearing as tb
-from docs.builder import api, docstrings, figures, links, outputs
+from docs.builder import api, docstrings, figures, links, outputs, pictures
 from tests.opensees import needs_opensees
 from tests.unit.inputs import command
 from thermobearing.bearing.library import list_bearings
@@ -24,8 +24,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = [DOCS / "index.md", *sorted((DOCS / "guide").glob("[!i]*.md"))]
 EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 180  # lines of a how-to
-QUICK = "index", "tutorial", "problems", "bridge_table"  # pages whose blocks `make test` runs
-QUICK_EXAMPLES = "plot_01_loops", "plot_05_bridge", "plot_16_structure"
+QUICK = "index", "problems"  # pages whose blocks `make test` runs
+QUICK_EXAMPLES = "plot_01_loops", "plot_16_structure"
 MARKS = {"opensees": [needs_opensees]}
 
 
@@ -57,10 +57,14 @@ def test_every_block_of_a_page_runs(
     monkeypatch.setattr(
         "thermobearing.earthquake.result.EarthquakeResult._write_histories", no_histories
     )
-    for block, printed in outputs.run(path, {"__name__": "page"}, command):
-        lines = [line.rstrip() for line in printed.splitlines()]
-        missing = [row for row in block["text"].splitlines() if row not in lines]
-        assert not missing, f"{path.name} shows what is not printed: {missing}"
+    draw = bool(pictures.page_pictures(path))
+    with pictures.recorded() as shown:
+        for block, printed in outputs.run(path, {"__name__": "page"}, command, draw=draw):
+            lines = [line.rstrip() for line in printed.splitlines()]
+            missing = [row for row in block["text"].splitlines() if row not in lines]
+            assert not missing, f"{path.name} shows what is not printed: {missing}"
+    message = pictures.outdated(pictures.shown_by_page(path, shown))
+    assert not message, message
 
 
 def test_a_how_to_is_short() -> None:

@@ -1,11 +1,13 @@
 """The texts tell the truth: every command and example in them runs, every number is generated."""
 
+import ast
 import importlib
 import importlib.util
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -64,6 +66,7 @@ def test_readme_is_short() -> None:
     assert README.count("\n") <= TWO_SCREENS
 
 
+@pytest.mark.thorough
 def test_examples_in_python_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One after the other, as in a notebook; the integrator is short and gives what it should."""
     examples = blocks((ROOT / "docs" / "python.md").read_text(), "python")
@@ -105,7 +108,7 @@ def test_the_mass_of_the_python_page_is_that_of_its_integrator(tmp_path: Path) -
 
 def test_readme_commands_can_be_given() -> None:
     for line in commands("thermobearing"):
-        words = shlex.split(line.replace("test/history.csv", "TEST.csv"))  # what the first wrote
+        words = shlex.split(re.sub(r"\w+/history\.csv", "TEST.csv", line))  # what others wrote
         nothing_wrong_with_command(words[1:])
 
 
@@ -207,10 +210,16 @@ def test_links_between_texts_lead_somewhere() -> None:
             assert (path.parent / target).exists(), f"{path.name}: {target}"
 
 
+def _statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Return what is in a node, but not expressions, of which there are many."""
+    for inner in ast.iter_child_nodes(node):
+        if not isinstance(inner, ast.expr):
+            yield inner
+            yield from _statements(inner)
+
+
 def test_files_and_functions_stay_small() -> None:
     """Files have at most 700 lines and functions fewer than 60."""
-    import ast
-
     for path in [
         *ROOT.glob("src/**/*.py"),
         *ROOT.glob("reproduction/*.py"),
@@ -220,7 +229,7 @@ def test_files_and_functions_stay_small() -> None:
     ]:
         text = path.read_text()
         assert text.count("\n") <= 700, path
-        for node in ast.walk(ast.parse(text)):
+        for node in _statements(ast.parse(text)):
             if isinstance(node, ast.FunctionDef):
                 assert (node.end_lineno or 0) - node.lineno < 60 + _docstring(node), (
                     path,

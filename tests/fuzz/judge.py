@@ -158,7 +158,8 @@ def _limited_memory() -> Iterator[None]:
 
 
 # Numbers of a summary that need not exist.
-OPEN = {"lead_degC", "lead_degC_max", "characteristic_strength_kN", "post_yield_stiffness_kN_mm",
+OPEN = {"limit", "used",  # of a check without a limit
+        "lead_degC", "lead_degC_max", "characteristic_strength_kN", "post_yield_stiffness_kN_mm",
         "h_eq", "pier_ductility", "energy_of_warmest", "pier_moment_max_kN_m"}  # fmt: skip
 
 

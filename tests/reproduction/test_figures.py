@@ -51,7 +51,7 @@ def test_a_caption_says_what_is_run_and_drawn(number: str) -> None:
     assert ("Prediction" in caption) == (number in TESTS)
 
 
-@pytest.mark.parametrize("number", quick_cases(FAMILIES, 0, 3, 4))
+@pytest.mark.parametrize("number", quick_cases(FAMILIES, 0, 4))
 def test_a_figure_is_drawn(runs: Runs, number: str) -> None:
     figure: Figure = FIGURES[number].figure(runs)
     figure.savefig(io.BytesIO(), dpi=30)
@@ -101,6 +101,7 @@ def test_ratios_of_the_models(runs: Runs) -> None:
     assert 0.9 < cold[-1].get_height() < 1.0
 
 
+@pytest.mark.thorough
 def test_the_design_bearing_beside_the_layered_one(runs: Runs) -> None:
     figure = FIGURES["6.9"].figure(runs)
     assert len(figure.axes) == len(MOTIONS)

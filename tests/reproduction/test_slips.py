@@ -116,7 +116,7 @@ def test_values_are_those_of_run_and_bridge() -> None:
     values = slip_values("LHDR", frozenset(possible_slips(bearing)))
     assert set(values) == set(QUANTITIES)
     test = tb.cyclic_test(strain=[2.5], wave="sine", closing_strain=None)
-    run = tb.run(bearing, test, AMBIENT, scheme="published")
+    run = tb.run(bearing, test, AMBIENT, model=tb.ModelOptions(scheme="published"))
     last = run.cycles.iloc[-1]
     assert_allclose(
         values["inner_layer_K"], last["rubber3_degC"] - AMBIENT, atol=tol.SINGLE_PRECISION
@@ -127,7 +127,9 @@ def test_values_are_those_of_run_and_bridge() -> None:
     bridge = tb.load_bearing("shen-lhdr-bridge")
     cells = bridge.cells.model_copy(update={"rubber": 2, "shim": 1})
     bridge = bridge.model_copy(update={"cells": cells})
-    table = tb.bridge(bridge, "jra-ii-i-1", AMBIENT, scheme="published").table
+    table = tb.bridge(
+        bridge, "jra-ii-i-1", AMBIENT, model=tb.ModelOptions(scheme="published")
+    ).table
     assert_allclose(values["pier_ductility"], table["pier_ductility"][0], rtol=tol.LOOP)
     force = table["bearing_force_max_kN"][0]
     assert_allclose(values["bridge_force_kN"], force, rtol=tol.LOOP)

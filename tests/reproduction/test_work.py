@@ -64,7 +64,7 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 
     known = {claim.id: claim for claim in FEW}
     monkeypatch.setattr(work, "split_parts", parts)
-    monkeypatch.setattr(work, "_known", lambda: known)
+    monkeypatch.setattr(work, "_claims_by_id", lambda: known)
     monkeypatch.setattr(work, "draw", draw)
 
 
@@ -121,6 +121,7 @@ def test_the_template_has_every_figure_and_table() -> None:
         assert f"{{{{ table {name}? }}}}" in text
 
 
+@pytest.mark.thorough
 def test_slips_are_a_table_and_a_figure_of_the_same_numbers() -> None:
     (part,) = [part for part in work.split_parts(None, figures=True) if part.names == ("slips",)]
     assert part.kind == work.BOTH

@@ -26,7 +26,9 @@ def line() -> Figure:
 
 
 def wide() -> Figure:
-    return Figure(figsize=(12.0, 5.0))
+    figure = Figure(figsize=(12.0, 5.0))
+    figure.subplots().plot([0.0, 1.0], [0.0, 1.0])
+    return figure
 
 
 TABLE = Table(

@@ -16,9 +16,10 @@ FACTORS: dict[str, Any] = {
 
 
 def small_study(case: dict[str, Any] | None = None, **changes: Any) -> Study:
-    keep = changes.pop("keep", "none")
+    keep, design = changes.pop("keep", "none"), changes.pop("design", {})
     table = {"kind": "study", "name": "small", "case": SHORT | (case or {})}
     table |= {"factors": FACTORS | changes, "keep": {"histories": keep}}
+    table |= {"design": design} if design else {}
     return make_study(table, "study.toml")
 
 

@@ -11,12 +11,14 @@ from tests.tolerances import ROUNDING
 from thermobearing.bearing.model import CircularPlan, Geometry, RectangularPlan, SquarePlan
 from thermobearing.cyclic.case import make_case
 from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.model.axial import compression_modulus, critical_load, overlap_area
 from thermobearing.model.checks import (
+    NO_LIMIT,
+    TWISTED,
     Check,
-    compression_modulus,
-    critical_load,
-    overlap_area,
     secant_modulus,
+    twist_check,
+    twisted_strain,
     vertical_checks,
 )
 
@@ -132,7 +134,7 @@ def test_resultant_decides_in_a_plane(tmp_path):
     result = tb.run("shen-hdr-specimen", circle, 23, axial_force=2e5)
     side = tb.load_bearing("shen-hdr-specimen").geometry.plan.side
     x, y = np.abs(result["displacement"].values[0].T)
-    plain, overlap, _, reduced = result.bearing_checks.to_dict("records")
+    plain, overlap, _, reduced, _ = result.bearing_checks.to_dict("records")
     least = ((side - x) * (side - y)).min()
     assert least < side * (side - np.hypot(x, y).max())  # the diagonal is worse than the axis
     assert overlap["value"] / plain["value"] == pytest.approx(side**2 / least, rel=1e-12)
@@ -140,7 +142,7 @@ def test_resultant_decides_in_a_plane(tmp_path):
     assert len([text for text in result.warnings if "axial force" in text]) == 2
     result.save(tmp_path / "saved", figures=False)
     assert tb.load_result(tmp_path / "saved").bearing_checks.equals(result.bearing_checks)
-    assert (tmp_path / "saved" / "checks.csv").read_text().count("\n") == 5
+    assert (tmp_path / "saved" / "checks.csv").read_text().count("\n") == 6
 
 
 def test_nothing_overlaps():
@@ -210,3 +212,58 @@ def test_checks_of_an_earthquake_are_at_the_peak_of_the_line():
     assert rows["limit"][3] / rows["limit"][2] == pytest.approx(overlap, rel=1e-12)
     assert result.sel(ambient=23).bearing_checks.equals(rows)
     assert "bearing_checks" in result.tables()
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7, 2.0])
+@pytest.mark.parametrize("lag", [0.0, 0.5, 0.5 * math.pi])
+def test_twist_of_round_plans_is_the_closed_form(angle, lag):
+    """1 + x/R sin(lag): theta' R H/x of theta' = x F_perp / (2 G J), of a disc."""
+    geometry, way = _geometry(ROUND), 250.0
+    directions = np.array([[math.cos(a), math.sin(a)] for a in (angle, angle + lag)])
+    local = twisted_strain(geometry, way * directions[:1], 70.0 * directions[1:])
+    nominal = way / geometry.total_rubber_thickness
+    expected = nominal * (1.0 + way / 300.0 * math.sin(lag))
+    assert local == pytest.approx([expected], rel=ROUNDING)
+
+
+def test_twist_of_a_rectangle_is_largest_at_a_corner():
+    """Of all points of the plan, with the torsion of theta' from J by integration."""
+    geometry, moved, force = _geometry(RECTANGLE), np.array([180.0, 90.0]), np.array([20.0, 65.0])
+    x, y = (np.linspace(-0.5 * size, 0.5 * size, 401) for size in (500.0, 300.0))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    polar = np.trapezoid(np.trapezoid((grid**2).sum(axis=-1), y), x)
+    height, area = geometry.total_rubber_thickness, 500.0 * 300.0
+    away = np.linalg.norm(moved)
+    secant = np.linalg.norm(force) * height / (area * away)
+    across = float(np.cross(np.append(moved, 0.0), np.append(force, 0.0))[2]) / away
+    twist = away * across / (2.0 * secant * polar)
+    strain = moved / height + twist * np.stack([-grid[..., 1], grid[..., 0]], axis=-1)
+    expected = np.linalg.norm(strain, axis=-1).max()
+    assert twisted_strain(geometry, moved, force) == pytest.approx(expected, rel=1e-4)
+    assert expected > 1.1 * away / height
+
+
+def test_no_twist_on_a_line_or_at_rest():
+    geometry = _geometry(SQUARE)
+    moved = np.array([[0.0, 0.0], [120.0, -60.0]])
+    local = twisted_strain(geometry, moved, 0.4 * moved)
+    nominal = np.hypot(*moved.T) / geometry.total_rubber_thickness
+    assert local == pytest.approx(nominal, rel=ROUNDING)
+    check = twist_check(geometry, moved, 0.4 * moved)
+    assert (check.verdict, check.unit) == (NO_LIMIT, "1")
+
+
+def test_twist_in_the_checks_of_tests_and_bridges_in_a_plane():
+    turns = {"step": "path", "path": "circle", "strain": 1.0, "period": 4.0, "count": 1}
+    test = tb.run("shen-hdr-specimen", tb.CyclicTest(dt=0.02, steps=[turns]), 23.0)
+    row = test.bearing_checks.set_index("what").loc[TWISTED]
+    assert row["value"] == test["local_strain"].values.max() > 1.05
+    assert test.cycles["local_strain"][0] == row["value"]
+    pair = {"name": "jra-ii-i-1", "across": "jra-ii-i-2"}
+    bridge = tb.bridge(
+        "shen-hdr-bridge", pair, 23, structure="five-span-bridge", duration=2.0, dt=0.02
+    )
+    lines = bridge.bearing_checks.query("what == @TWISTED")
+    assert list(lines["part"]) == list(bridge.lines["line"])
+    assert (lines["value"].to_numpy() >= bridge.lines["strain_max"].to_numpy()).all()
+    assert "local_strain" not in tb.run("shen-hdr-specimen", TEST, 23.0).dataset

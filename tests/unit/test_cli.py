@@ -1,5 +1,6 @@
 """The command: exit status, messages, JSON, files; the same bits again from the resolved case."""
 
+import json
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,9 @@ from typer.testing import Result
 
 import thermobearing as tb
 import thermobearing.cyclic.history
+from tests.quick import quick_cases
 from tests.unit import inputs
+from thermobearing.commands.common import ProgressLines
 
 CYCLE_KEYS = {"amplitude_strain", "cycle", "G_eq_MPa", "h_eq", "stress_max_MPa", "stress_min_MPa"}
 CYCLE_KEYS |= {"energy_kN_mm", "rubber_degC", "lead_degC"}
@@ -65,7 +68,8 @@ def test_quiet_says_nothing(case: Path, tmp_path: Path) -> None:
 
 def test_overrides(case: Path, tmp_path: Path) -> None:
     words = ["--dt", 0.02, "--ambient", 5, "--ambient", -5, "--bearing", "shen-hdr-bridge"]
-    words += ["--scheme", "published", "--integrator", "euler", "--heat-source", "dissipation"]
+    for option in ("scheme=published", "integrator=euler", "heat_source=dissipation"):
+        words += ["--model-option", option]
     done = inputs.cyclic(case, *words, "--keep-every", 2, "-o", tmp_path / "out", "-q")
     assert done.exit_code == 0
     resolved = tb.load_case(tmp_path / "out" / "case.resolved.toml")
@@ -90,7 +94,8 @@ def assert_same_bits(path: Path, again: Path, words: list[Any]) -> None:
 
 
 def test_resolved_case_gives_the_same_bits(case: Path, tmp_path: Path) -> None:
-    assert_same_bits(case, tmp_path, ["--dt", 0.013, "--ambient", -11.3, "--scheme", "published"])
+    words = ["--dt", 0.013, "--ambient", -11.3, "--model-option", "scheme=published"]
+    assert_same_bits(case, tmp_path, words)
 
 
 def test_resolved_case_finds_its_files_from_elsewhere(
@@ -154,7 +159,7 @@ def test_default_target_is_named_after_the_bearing(
     assert sorted(inputs.content(tmp_path / "cyclic-..-G1-new-")) == inputs.FILES
 
 
-@pytest.mark.parametrize("name", ["[bold]", "x[/y]", "[/]"])
+@pytest.mark.parametrize("name", quick_cases(["[bold]", "x[/y]", "[/]"], 0))
 def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
     """rich would swallow [bold] and crash on [/y]."""
     table = inputs.changed_table(inputs.specimen_table(), {"name": name})
@@ -163,6 +168,16 @@ def test_names_are_no_markup(tmp_path: Path, name: str) -> None:
         assert done.exit_code == 0
         assert name in done.stdout
     assert "case[red].toml" in done.stdout.replace("\n", "")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("shen-hdr-bridge", "bearing"), ("shen-hdr", "compound"), ("pier-p1", "structure")],
+)
+def test_check_takes_names_of_the_library(name: str, kind: str) -> None:
+    done = inputs.command("check", name, "--json")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.output.splitlines()[-1])["kind"] == kind
 
 
 def test_check_of_a_bilinear_bearing(tmp_path: Path) -> None:
@@ -230,7 +245,14 @@ def test_wrong_usage(words: list[str]) -> None:
         (["--ambient", "500"], ["--ambient = '500.0 degC'", "at most 100 degC"]),
         (["--ambient", "nan"], ["--ambient = ", "not a finite number"]),
         (["--dt", "-1"], ["--dt = '-1.0 s'", "at least 1e-06"]),
-        (["--scheme", "publishd"], ["--scheme = 'publishd'", '"published"?']),
+        (
+            ["--model-option", "scheme=publishd"],
+            ["--model-option scheme = 'publishd'", '"published"?'],
+        ),
+        (
+            ["--model-option", "side.film=-1 W/(m^2 K)"],
+            ["--model-option side.film = '-1 W/(m^2 K)'", "at least 0"],
+        ),
         (["--bearing", "shen-hdr-brige"], ['"shen-hdr-bridge"?']),
         (["--bearing", "none.toml"], ["none.toml: no such file"]),
         (["--keep-every", "0"], ["--keep-every = 0", "at least 1"]),
@@ -291,3 +313,14 @@ def test_version_and_help() -> None:
     assert inputs.command("--version").stdout == f"thermobearing {tb.__version__}\n"
     for words in (["-h"], ["cyclic", "--help"], ["check", "-h"]):
         assert inputs.command(*words).exit_code == 0
+
+
+def test_progress_without_a_terminal_is_a_few_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    """Nothing within 10 s, then one line a minute, with the rest of the time."""
+    now = [0.0]
+    lines = ProgressLines("stepping", clock=lambda: now[0])
+    for second in range(1, 101):
+        now[0] = float(second)
+        lines.show(second, 100)
+    shown = capsys.readouterr().err.splitlines()
+    assert shown == ["stepping: 10 of 100, about 90 s left", "stepping: 70 of 100, about 30 s left"]

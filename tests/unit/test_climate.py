@@ -49,7 +49,7 @@ def test_dates_and_months() -> None:
         (lambda: tb.Hourly([1.0]), "needs 2 to"),
         (lambda: tb.Hourly([1.0, np.nan]), "hour 1: nan degC is outside -100 to 100 degC"),
         (lambda: tb.Hourly([120.0, 1.0]), "hour 0: 120 degC"),
-        (lambda: tb.Hourly(["a", "b"]), "needs a list of temperatures"),
+        (lambda: tb.Hourly(["a", "b"]), "must be a list of numbers"),
         (lambda: STEPS.before(2, history=3), "hour 2 with 3 h before it: must be 3 to 3"),
         (lambda: STEPS.before(4, history=1), "must be 1 to 3"),
         (lambda: STEPS.before(2, history=0), "history = 0: must be 1 to"),

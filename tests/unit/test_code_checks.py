@@ -1,25 +1,33 @@
 """Checks of bearings after codes: demand of the motions, formulas, verdicts and the command."""
 
 import math
+import re
+import tomllib
 
 import numpy as np
 import pytest
+import tomli_w
 from typer.testing import CliRunner
 
 import thermobearing as tb
+from tests.quick import quick_cases
 from tests.unit.test_earthquake_components import two_piers
 from thermobearing.bearing.model import CircularPlan, RectangularPlan
 from thermobearing.cli import app
-from thermobearing.design.peaks import counted
-from thermobearing.design.provisions import layer_strains, load_codes
+from thermobearing.design.peaks import peaks_by_part
+from thermobearing.design.provisions import layer_strains, limits_text, load_codes
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.report import build_pieces
-from thermobearing.model.checks import checked_modulus, critical_load
-from thermobearing.report.pieces import Bullets
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.axial import critical_load
+from thermobearing.model.checks import checked_modulus, limit_keys
+from thermobearing.model.limits import load_limits
+from thermobearing.report.pieces import EXCEEDED, PASSED, Bullets
 from thermobearing.report.template import ACTIONS, _actions
 from thermobearing.results.writing import as_attribute
 
 BEARING, LOAD, ROTATION = "shen-hdr-bridge", 800.0, 0.004
+STRAIN_2 = "level_2_shear_strain"
 NAMES = [f"jra-ii-i-{k}" for k in (1, 2, 3)]
 JRA, AASHTO = "JRA V (2017)", "AASHTO GSID (2014)"
 
@@ -33,6 +41,10 @@ def bridge():
 def _rows(result, code):
     rows = result.bearing_checks
     return rows[rows["code"] == code].set_index(["run", "what"])
+
+
+def _run(*words):
+    return CliRunner().invoke(app, [*map(str, words)])
 
 
 def _displacements(result, ambient):
@@ -62,7 +74,7 @@ def test_demand_is_the_mean_of_three_motions_of_a_level(bridge):
 def test_a_mean_of_aashto_needs_seven_motions(count, expected):
     motions = [Motion(name=f"{k}.csv") for k in range(count)]
     data = {"peak": np.arange(1.0, count + 1.0)}
-    assert counted(data, "peak", motions, "mean of seven").tolist() == [expected]
+    assert peaks_by_part(data, "peak", motions, "mean of seven").tolist() == [expected]
 
 
 def test_strains_of_a_layer_by_hand():
@@ -86,7 +98,7 @@ def test_rows_of_aashto(bridge, zone, times, name):
     rows = rows.loc["23 degC"]
     bearing = tb.load_bearing(BEARING)
     modulus = checked_modulus(bearing, 23.0)
-    critical = critical_load(bearing.geometry, modulus)
+    critical = critical_load(bearing.geometry, modulus, bearing.lead)
     largest = max(_displacements(bridge, 23).values())  # fewer than seven motions
     pressed, turned = layer_strains(bearing, LOAD, ROTATION, modulus)
     total = rows.loc["total shear strain"]
@@ -151,7 +163,7 @@ def test_overlap_in_plan_is_that_of_both_displacements():
         assert limit.iloc[3] / (3.0 * limit.iloc[2]) == pytest.approx(share, rel=1e-9)
 
 
-@pytest.mark.parametrize("axial_force", [None, -50.0])
+@pytest.mark.parametrize("axial_force", quick_cases([None, -50.0], 0))
 def test_without_compression_there_is_no_demand(bridge, axial_force):
     text = bridge.dataset.attrs["case"].replace('axial_force = "800.0 kN"\n', "")
     assert text != bridge.dataset.attrs["case"]
@@ -201,7 +213,155 @@ def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
     assert len(found.summary()["bearing_checks"]) == len(found.bearing_checks)
     tb.make_report(place, pdf=False, live=False)
     page = (place / "report.html").read_text(encoding="utf-8")
-    assert all(text in page for text in (JRA, AASHTO, "limit not available"))
+    assert all(text in page for text in (JRA, AASHTO, "not entered"))
+
+
+ENTERED = {"edition": "2nd edition", "clause": "clause 9.9", "entered_by": "K. Sato"}
+
+
+def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
+    limits = {
+        "jra": {
+            STRAIN_2: {"value": "20 %", **ENTERED},
+            "level_2_overlap_stress": {"value": "12 MPa", **ENTERED},
+            "uplift_stress": {"value": "2 MPa", **ENTERED},
+            "rotation": {"value": "0.003 rad", **ENTERED},
+        },
+        "aashto": {"reserve_without_displacement": {"value": 4.0, **ENTERED}},
+        "bearing": {"stress": {"value": "3 MPa", **ENTERED}},
+    }
+    found = tb.check_bearings(bridge, ["jra", "aashto"], rotation=ROTATION, limits=limits)
+    rows = _rows(found, JRA).loc["23 degC"]
+    strain = rows.loc["Level 2 shear strain"]
+    assert (strain["limit"], strain["verdict"], strain["unverified"]) == (0.2, "NG", False)
+    assert all(text in strain["source"] for text in ENTERED.values())
+    assert rows.loc["Level 2 buckling: stress on the overlap", "limit"] == 12.0
+    uplift = rows.loc["uplift: axial force"]
+    assert (uplift["limit"], uplift["least"]) == (-2.0 * 480.0**2 / 1e3, True)
+    assert (uplift["verdict"], uplift["of_model"]) == ("OK", False)
+    assert (rows.loc["rotation", "limit"], rows.loc["rotation", "verdict"]) == (0.003, "NG")
+    still = _rows(found, AASHTO).loc["23 degC"].loc["vertical load without displacement"]
+    plain = _rows(tb.check_bearings(bridge, "aashto"), AASHTO).loc["23 degC"]
+    reserve = plain.loc["vertical load without displacement", "limit"]
+    assert 4.0 * still["limit"] == pytest.approx(3.0 * reserve, rel=1e-12)
+    (stress,) = {
+        (row["limit"], row["verdict"], row["unverified"], row["used"] > 1.0)
+        for row in found.bearing_checks.to_dict("records")
+        if row["what"] == "compressive stress on the plan"
+    }
+    assert stress == (3.0, "NG", False, True)
+    starred = found.bearing_checks.query("unverified and limit == limit")
+    assert set(starred.query("code == @JRA")["what"]) == {"Level 1 shear strain"}
+    again = tb.check_bearings(found, ["jra", "aashto"], rotation=ROTATION)
+    assert again.bearing_checks.equals(found.bearing_checks)  # the case holds the limits
+
+
+def test_an_entered_ductility_replaces_first_yield_in_the_report(bridge):
+    dataset = bridge.dataset.assign(pier_ductility=2.4 + 0.0 * bridge.dataset["pier_ductility"])
+    found = []
+    for value in (2.0, 3.0):
+        limits = {"pier": {"ductility": {"value": value, **ENTERED}}}
+        checked = tb.check_bearings(EarthquakeResult(dataset), [], limits=limits)
+        found += [check for check in build_pieces(checked).checks if "ductility" in check.what]
+    assert [(check.limit, check.verdict) for check in found] == [(2.0, EXCEEDED), (3.0, PASSED)]
+    assert all(text in found[0].source for text in ENTERED.values())
+
+
+def test_without_stars_no_warning_on_the_published_text(bridge):
+    known = {name: {"value": "200 %", **ENTERED} for name in ("level_1_shear_strain", STRAIN_2)}
+    found = tb.check_bearings(bridge, limits={"jra": known})
+    assert not any("published text" in text for text in found.warnings)
+    unread = tb.check_bearings(bridge, limits={"jra": {STRAIN_2: known[STRAIN_2]}})
+    assert any("published text" in text for text in unread.warnings)
+
+
+def test_a_new_file_has_every_check_as_a_comment_and_is_entered_line_by_line(tmp_path):
+    """Each line of a limit without "# " and filled in is a limit of that check, and no other."""
+    text = limits_text(["jra", "aashto"])
+    assert not tomllib.loads(text)
+    tables = re.findall(r"^# (\[[a-z]+\..+\])$", text, re.MULTILINE)
+    keys = {
+        f"[{code.name}.{check.key}]"
+        for code in load_codes(["jra", "aashto"])
+        for check in code.checks
+    }
+    keys |= {f"[bearing.{key}]" for key in limit_keys().values()} | {"[pier.ductility]"}
+    assert keys == set(tables)
+    lines = re.findall(r"^# (\[\w+\.\w+\]|\w+ = .*)$", text, re.MULTILINE)
+    filled = "\n".join(lines).replace('""', '"read"')
+    numbers = {'"... %"': '"300 %"', '"... MPa"': '"9 MPa"', '"... rad"': '"0.01 rad"'}
+    for before, after in numbers.items():
+        filled = filled.replace(before, after)
+    file = tmp_path / "limits.toml"
+    file.write_text(filled, encoding="utf-8")
+    limits = load_limits(file)
+    for table in tables:
+        assert limits.of(*table[1:-1].split(".")) is not None
+    assert limits.of("jra", "level_1_shear_strain").number == 1.5
+    assert limits.of("aashto", "reserve_without_displacement").number == 3.0
+    assert limits.of("pier", "ductility").number == 1.0
+
+
+@pytest.mark.parametrize(
+    ("entry", "reported"),
+    [
+        ({"value": "2 kN"}, "kN"),
+        ({"value": 2.5}, "has no unit"),
+        ({"value": "2.5 %"}, "10"),
+        ({"edition": ""}, "edition"),
+        ({"clause": None}, "clause"),
+        ({"entered_by": None}, "entered_by"),
+        ({"page": "3"}, "page"),
+    ],
+)
+def test_faulty_limits_are_refused_with_key_and_reason(entry, reported, tmp_path):
+    table = {k: v for k, v in ({"value": "250 %", **ENTERED} | entry).items() if v is not None}
+    file = tmp_path / "limits.toml"
+    file.write_text(tomli_w.dumps({"jra": {STRAIN_2: table}}), encoding="utf-8")
+    with pytest.raises(tb.InputError, match=STRAIN_2) as error:
+        load_limits(file)
+    assert reported in str(error.value)
+    assert str(file) in str(error.value)
+
+
+def test_commands_write_check_and_use_limits(tmp_path):
+    file = tmp_path / "limits.toml"
+    assert _run("limits", "new", "--code", "jra", "-o", file).exit_code == 0
+    assert _run("limits", "new", "-o", file).exit_code == 2  # it exists
+    analysis = ("--bearing", BEARING, "--motion", NAMES[0], "--ambient", "23", "--duration", "4")
+    target = tmp_path / "out"
+    assert _run("bridge", *analysis, "--limits", file, "-o", target).exit_code == 2
+    assert not target.exists()
+    limit = {"value": "222 %", **ENTERED}
+    file.write_text(tomli_w.dumps({"jra": {STRAIN_2: limit}}), encoding="utf-8")
+    assert _run("check", file).exit_code == 0
+    written = ("--limits", file, "--no-figures", "-o", target)
+    assert _run("bridge", *analysis, *written).exit_code == 0
+    found = tb.load_result(target)
+    assert set(found.bearing_checks["code"]) == {JRA}
+    assert 2.22 in found.bearing_checks["limit"].tolist()
+    case = target / "case.resolved.toml"
+    assert tb.check_bearings(found).bearing_checks.equals(found.bearing_checks)
+    again = ("bridge", case, "--no-figures", "-o", tmp_path / "again")
+    assert _run(*again).exit_code == 0  # the case states the limits
+    assert tb.load_result(tmp_path / "again").bearing_checks.equals(found.bearing_checks)
+
+
+def test_a_file_without_limits_of_a_code_is_enough(tmp_path):
+    file = tmp_path / "limits.toml"
+    entry = {"pier": {"ductility": {"value": 2.0, **ENTERED}}}
+    file.write_text(tomli_w.dumps(entry), encoding="utf-8")
+    assert _run("check", file).exit_code == 0
+    analysis = ("--bearing", BEARING, "--motion", NAMES[0], "--ambient", 23, "--duration", 1)
+    done = _run("bridge", *analysis, "--limits", file, "--no-figures", "-o", tmp_path / "out")
+    assert done.exit_code == 0
+    limits = tomllib.loads((tmp_path / "out" / "case.resolved.toml").read_text("utf-8"))["limits"]
+    assert limits["pier"]["ductility"]["value"] == 2.0
+
+
+def test_hybrid_tests_have_no_limits_of_codes():
+    with pytest.raises(tb.InputError, match="limits"):
+        tb.hybrid(limits={"jra": {STRAIN_2: {"value": "222 %", **ENTERED}}})
 
 
 @pytest.mark.parametrize(
@@ -218,6 +378,8 @@ def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
         (["jra"], {"rotation": "0.01 rad"}, "rotation"),
         (["aashto"], {"zone": 5}, "zone"),
         (["aashto"], {"zone": True}, "zone"),
+        (["jra"], {"limits": {}}, "limits"),
+        (["jra"], {"limits": 3}, "limits"),
     ],
 )
 def test_bad_input(bridge, codes, options, key):
@@ -235,7 +397,7 @@ def test_codes_are_known_once():
 
 
 def test_the_command_refuses_before_the_analysis(tmp_path):
-    done = CliRunner().invoke(app, ["bridge", "--checks", "en", "-o", str(tmp_path / "out")])
+    done = CliRunner().invoke(app, ["bridge", "--codes", "en", "-o", str(tmp_path / "out")])
     assert done.exit_code == 2
     assert not (tmp_path / "out").exists()
 

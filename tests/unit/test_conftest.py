@@ -90,7 +90,7 @@ def ended(
     )
 
 
-@pytest.mark.parametrize("workers", [0, 2])
+@pytest.mark.parametrize("workers", quick_cases([0, 2], 1))
 def test_measured_numbers_and_expected_skips(suite: Path, workers: int) -> None:
     done = ended(suite, workers, FOUND)
     assert done.returncode == 0, done.stdout
@@ -99,7 +99,9 @@ def test_measured_numbers_and_expected_skips(suite: Path, workers: int) -> None:
 
 @pytest.mark.parametrize(
     ("expected", "amiss"),
-    [(FOUND[:1], FOUND[1]), (FOUND[1:], FOUND[0]), ([*FOUND, "test_x.py"], "test_x.py")],
+    quick_cases(
+        [(FOUND[:1], FOUND[1]), (FOUND[1:], FOUND[0]), ([*FOUND, "test_x.py"], "test_x.py")], 1
+    ),
     ids=["a file", "a test", "one that does not skip"],
 )
 def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> None:

@@ -26,7 +26,7 @@ EXTRAS = [
     text
     for extra, some in PROJECT["optional-dependencies"].items()
     for text in some
-    if extra != "lint" and "openseespy" not in text
+    if extra != "lint" and not text.startswith(("thermobearing[", "openseespy"))
 ]
 
 
@@ -58,6 +58,18 @@ def test_what_is_imported_is_declared() -> None:
         if not known & {plain(owner) for owner in owners.get(name, [name])}
     }
     assert not missing
+
+
+def test_the_program_starts_without_any_extra() -> None:
+    """Modules of each command, of the live page and of reports import what is required alone."""
+    extras = ["jinja2", "openpyxl", "typst", "pyarrow", "emcee", "distributed"]
+    code = (
+        f"import sys; sys.modules |= dict.fromkeys({extras})\n"
+        "import thermobearing.reporting, thermobearing.live.page, thermobearing.commands.study\n"
+        "import thermobearing.identify.run, thermobearing.studies.run.engine\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_every_dependency_has_an_upper_bound() -> None:

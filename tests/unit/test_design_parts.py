@@ -216,12 +216,12 @@ def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
     search = sizing.Search(200.0)
     for assumed, found, layers in ((249.0, 300.0, 8), (251.0, 200.0, 9)):
         search.advance(sized(1, assumed, found, layers), 0.01)
-    assert search.held is not None
+    assert search.alternating is not None
     assert search.assumed == 251.0
     assert search.settled(sized(2, 251.0, 200.0, 9), 0.01)
     assert not search.settled(sized(2, 251.0, 260.0, 9), 0.01)
     search.advance(sized(3, 251.0, 260.0, 9), 0.01)  # since the other group has changed
-    assert search.held is None
+    assert search.alternating is None
     assert search.assumed == 260.0
 
 
@@ -335,7 +335,12 @@ def factor_table() -> pd.DataFrame:
         ("mean", (9, 9, 1)),
     ):
         for air, stiffness in zip((-20.0, 0.0, 23.0), values, strict=True):
-            for quantity, value in (("K_eq", stiffness), ("energy", 1000.0 * stiffness)):
+            # Q_d is 0.3 of the peak force.
+            for quantity, value in (
+                ("K_eq", stiffness),
+                ("energy", 1000.0 * stiffness),
+                ("Q_d", 0.3 * 1.75 * 102.0 * stiffness),
+            ):
                 rows.append((1.75, basis, air, quantity, float(value)))
     return pd.DataFrame(rows, columns=["strain", "basis", "ambient_degC", "quantity", "value"])
 
@@ -351,6 +356,12 @@ def test_bounds_are_the_softest_and_stiffest_of_single_cycles() -> None:
         assert strength + post_yield * u == pytest.approx(stiffness * u)
         loop = 4.0 * strength * (u - strength / (initial - post_yield))
         assert loop == pytest.approx(1000.0 * stiffness)
+        own, steep = row["cycle_Q_d_kN"], row["cycle_K_2_kN_mm"]
+        assert own == pytest.approx(0.3 * u * stiffness)
+        assert own + steep * u == pytest.approx(stiffness * u)  # the same peak force
+        ratio = initial / post_yield
+        energy = 4.0 * own * (u - own / (steep * (ratio - 1.0)))
+        assert row["cycle_energy_ratio"] * loop == pytest.approx(energy)
     with pytest.raises(tb.InputError, match=r"the table has 1\.75"):
         bound_models(factor_table(), 1.0, 102.0)
 
@@ -383,11 +394,15 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def analyse(case: Any) -> Any:
         asked.append(case)
-        if len(case.bearings) == 2:
+        if len(case.bearings) == 3:
+            ends = (("lower", soft), ("upper", stiff), ("virgin", [0.5, 2.2, 7.0, 5.2]))
             rows = [{"bearing": n, "ambient_degC": 23.0, **dict(zip(demands, v, strict=True))}
-                    for n, v in (("lower", soft), ("upper", stiff))]  # fmt: skip
+                    for n, v in ends]  # fmt: skip
         else:
-            rows = [{"bearing": "x", "ambient_degC": t, **dict(zip(demands, v, strict=True))}
+            state = case.analysis.state
+            more = 1.0 if state is None else 1.0 + 0.4 * state.share
+            rows = [{"bearing": "x", "ambient_degC": t,
+                     **{d: more * one for d, one in zip(demands, v, strict=True)}}
                     for t, v in coupled.items()]  # fmt: skip
         table = pd.DataFrame(rows).assign(motion="m", beyond_tested="strain")
         none = pd.DataFrame()
@@ -402,10 +417,12 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
         -20.0: BilinearParameters(200.0, 3.0, 19.5),
     }
     monkeypatch.setattr(
-        bounds, "bilinear_parameters", lambda *_, strain, temperature: models[temperature]
+        bounds, "bilinear_parameters", lambda *_, strain, temperature, cycle: models[temperature]
     )
     table = bounds.bounds_study("shen-hdr-bridge", "jra-ii-i-1", [23.0, -20.0])
-    lower, upper = asked[0].bearings
+    lower, upper, virgin = asked[0].bearings
+    assert (virgin.name, virgin.strength) == ("virgin", 200.0)
+    assert "first cycle" in virgin.description
     assert (lower.name, lower.strength, lower.initial_stiffness) == ("lower", 90.0, 9.75)
     assert (upper.name, upper.strength, upper.post_yield_stiffness) == ("upper", 200.0, 3.0)
     assert asked[1].ambient == [23.0, -20.0]
@@ -417,3 +434,8 @@ def test_bounding_analysis_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     assert table["verdict"].tolist() == ["wasteful", "unsafe", "wasteful", "good"]
     assert table["coupled_-20_degC"].tolist() == coupled[-20.0]
     assert set(table["beyond_tested"]) == {"strain"}
+    assert table["other_bound"].tolist() == [0.5, 2.2, 7.0, 5.2]
+    assert_allclose(table["other_coupled_max"], [2.1, 3.5, 5.6, 7.0])
+    assert table["other_coupled_at_degC"].tolist() == [23.0, -20.0, 23.0, 23.0]
+    assert_allclose(table["envelope_over_both"], [2.0 / 2.1, 2.2 / 3.5, 7.0 / 5.6, 5.2 / 7.0])
+    assert table["verdict_of_both"].tolist() == ["good", "unsafe", "good", "unsafe"]

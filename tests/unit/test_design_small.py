@@ -261,6 +261,7 @@ def test_reference_is_that_of_the_rubber(
 ) -> None:
     asked: dict[str, Any] = {}
     monkeypatch.setattr(factors, "temperature_factors", lambda _, **options: asked.update(options))
+    monkeypatch.setattr(factors, "rate_bands", lambda *_, **options: None)
     report = run.run_factors(["shen-hdr-bridge", "shen-lhdr-bridge"], reference=given)
     assert (asked["reference_temperature"], report.reference) == (used, used)
     assert (asked["period"], report.motion) == (2.0, "sine of 2 s")

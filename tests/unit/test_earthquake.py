@@ -79,9 +79,11 @@ def test_variables_say_their_unit_and_peaks_are_those_of_every_step(saved: Path)
     assert np.all(peaks < kept * 1.02)
 
 
+@pytest.mark.thorough
 def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
     words = ["--bearing", "shen-hdr-specimen", "--ambient", -20, "--duration", 4, "--no-figures"]
-    lab = ["--mode", "pd", "--delay", 0.01, "--force-noise", 0.5, "--seed", 3]
+    lab = ["--mode", "pd", "--laboratory", "delay=10 ms", "--laboratory", "force_noise=0.5"]
+    lab += ["--laboratory", "seed=3"]
     done = command("hybrid", *words, *lab, "-o", tmp_path / "lab")
     assert done.exit_code == 0, done.output
     reported = json.loads((tmp_path / "lab" / "summary.json").read_text())
@@ -101,7 +103,7 @@ def test_hybrid_with_a_laboratory(tmp_path: Path) -> None:
     assert again.exit_code == 0
     first, second = (tmp_path / name / "history.csv" for name in ("lab", "again"))
     assert first.read_bytes() == second.read_bytes()
-    other = command("hybrid", *words, *lab[:-1], 4, "-o", tmp_path / "other")
+    other = command("hybrid", *words, *lab[:-1], "seed=4", "-o", tmp_path / "other")
     assert other.exit_code == 0
     assert (tmp_path / "other" / "history.csv").read_bytes() != first.read_bytes()
 

@@ -12,7 +12,7 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.earthquake.analysis import compare_models, refuse_incomparable
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.tables import _underestimates, comparison_table, verdict
+from thermobearing.earthquake.earlier import _underestimates, comparison_table, verdict
 from thermobearing.model.earlier import models_that_fit
 
 HDR, LHDR = "shen-hdr-specimen", "shen-lhdr-specimen"
@@ -99,6 +99,7 @@ def test_verdict(rises: tuple[float, float], pieces: list[str]) -> None:
         assert piece in verdict(rows)
 
 
+@pytest.mark.thorough
 def test_compare_on_the_command_line(tmp_path: Path) -> None:
     words = ["--bearing", HDR, "--bearing", "shen-bilinear-bridge", "--ambient", 0]
     out = tmp_path / "out"

@@ -123,6 +123,7 @@ def test_two_components_are_compared_with_one(compared: EarthquakeResult) -> Non
     assert "mean" not in compared.tables()["components"].caption  # of one motion
 
 
+@pytest.mark.thorough
 def test_results_in_plan_are_saved_and_loaded(compared: EarthquakeResult, tmp_path: Path) -> None:
     saved = compared.save(tmp_path / "out", figures=False)
     names = {path.name for path in saved.iterdir()}
@@ -185,6 +186,7 @@ def test_without_a_pair_there_is_nothing_to_compare() -> None:
         shaken(components=[1, 2])
 
 
+@pytest.mark.thorough
 def test_components_on_the_command_line(tmp_path: Path) -> None:
     file = tmp_path / "plan.toml"
     file.write_text(sourced_toml(two_piers(), {}))
@@ -195,6 +197,7 @@ def test_components_on_the_command_line(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "components.csv").exists()
 
 
+@pytest.mark.thorough
 def test_a_deck_on_the_ground_has_no_pier(tmp_path: Path) -> None:
     """Neither tables nor figures show a pier, and the title has no empty description."""
     line = {"body": "deck", "height": "1 m", "count": 3, "equivalent_stiffness": "4 kN/mm"}

@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from tests.unit.test_earthquake_components import two_piers
 
 HDR, LHDR, BILINEAR = "shen-hdr-bridge", "shen-lhdr-bridge", "shen-bilinear-bridge"
@@ -36,7 +37,7 @@ def long_lines(ax: Axes) -> list[Any]:
     return [line for line in ax.get_lines() if len(np.asarray(line.get_xdata())) > 2]
 
 
-@pytest.mark.parametrize("name", ["strain", "pier", "deck", "pier_acceleration"])
+@pytest.mark.parametrize("name", quick_cases(["strain", "pier", "deck", "pier_acceleration"], 2))
 def test_histories_show_the_strong_part_with_peaks(study: Any, name: str) -> None:
     figure = getattr(study.plot, name)()
     first, second = (figure.axes[k].get_xlim() for k in (0, 1))

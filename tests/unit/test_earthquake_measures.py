@@ -136,6 +136,7 @@ def test_both_modes_are_those_of_two_studies(both: Any) -> None:
     assert warmest["rt", 0.0] == warmest["pd", 0.0] == 1.0
 
 
+@pytest.mark.thorough
 def test_real_time_over_pseudo_dynamic(both: Any, tmp_path: Path) -> None:
     rows, table = both.modes_table, both.table
     assert list(rows["ambient_degC"]) == [-20.0, 0.0]
@@ -251,6 +252,7 @@ def test_cells_hold_the_layers_and_the_heat(profiles: Any) -> None:
     assert not np.isfinite(data["depth"].values[2]).any()
 
 
+@pytest.mark.thorough
 def test_profiles_at_chosen_times(profiles: Any, tmp_path: Path) -> None:
     figure = profiles.plot.profiles([5.0, 10.0])
     assert len(figure.axes) == 3  # two bearings, and the lead of one

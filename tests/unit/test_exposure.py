@@ -15,7 +15,7 @@ from thermobearing.bearing.exposure import Exposure, exposed, exposed_bilinear
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.toml import to_toml
 from thermobearing.cli import app
-from thermobearing.commands.options import exposure_given
+from thermobearing.commands.options import exposure_table
 from thermobearing.core.types import Rubber
 from thermobearing.cyclic.case import load_case
 from thermobearing.cyclic.equivalent import bilinear_parameters
@@ -97,7 +97,7 @@ def test_a_cyclic_test_has_them_once_and_says_so(name: str) -> None:
     ):
         assert np.array_equal(result["force"].values, by_hand["force"].values)
         assert result.summary()["exposure"] == {name: FACTORS}
-        said = f"{name}: exposure: stiffness x 1.3, strength x 1.7 (an example)"
+        said = f"{name}: exposure: stiffness times 1.3 and strength times 1.7 (an example)"
         assert result.summary()["warnings"][0] == said
     plain = tb.run(name, TEST, -10)
     assert not np.allclose(plain["force"].values, by_hand["force"].values)
@@ -220,7 +220,7 @@ def test_files_and_the_command_line(tmp_path: Path) -> None:
         app, ["cyclic", str(case), *words, "-o", str(out), "--no-figures"], env={"COLUMNS": "200"}
     )
     assert done.exit_code == 0, done.output
-    assert "exposure: stiffness x 1.3, strength x 1.7" in done.output
+    assert "exposure: stiffness times 1.3 and strength times 1.7" in done.output
     assert json.loads((out / "summary.json").read_text())["exposure"][LAYERED[0]] == FACTORS
     assert load_case(out / "case.resolved.toml").analysis.exposure == Exposure(**FACTORS)
     for bad in ("stiffness", "stiffness=much", "stiffness=1.2", "stifness=1"):
@@ -229,4 +229,4 @@ def test_files_and_the_command_line(tmp_path: Path) -> None:
         assert "exposure" in failed.output or "stifness" in failed.output
     for words in (["source"], ["stiffness=1.2", "strength=1", "stiffness=1.3", "source=x"]):
         with pytest.raises(tb.InputError, match="--exposure"):
-            exposure_given(words)
+            exposure_table(words)

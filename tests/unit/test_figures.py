@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.testing import assert_allclose
@@ -34,7 +35,7 @@ def steps(*given: dict[str, object]) -> tb.CyclicTest:
 
 @pytest.fixture(scope="module")
 def result() -> tb.Result:
-    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, dt=0.01)
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, dt=0.02)
     return tb.run(BEARING, test, ambient=TEMPERATURES)
 
 
@@ -60,6 +61,7 @@ def drawn_names(result: tb.Result) -> list[str]:
     return [name for name, draw in result.plot.draw_all().items() if draw().axes]
 
 
+@pytest.mark.thorough
 def test_save_all_writes_six_png(result: tb.Result, tmp_path: Path) -> None:
     files = result.plot.save_all(tmp_path / "new" / "figures")
     assert [file.stem for file in files] == NAMES
@@ -195,14 +197,14 @@ def test_energy_gives_the_residual(result: tb.Result) -> None:
     work = drawn(figure.axes[0])[0]
     assert np.nanmax(work) == pytest.approx(result["work_in"].values[0].max() / 1000.0)
     test = tb.cyclic_test(strain=[1.0], cycles=2, dt=0.02)
-    lossy = tb.run(BEARING, test, -20, scheme="published")
+    lossy = tb.run(BEARING, test, -20, model=tb.ModelOptions(scheme="published"))
     expected = 100.0 * lossy.energy["thermal_residual"][0]
     assert f"thermal {expected:.2g} %".replace("-", "−") in titles(lossy.plot.energy())[0]
 
 
 def test_full_stack_shows_the_whole_height() -> None:
     test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
-    result = tb.run(BEARING, test, lower_face=tb.EndFace(film=5.0))
+    result = tb.run(BEARING, test, model=tb.ModelOptions(lower_face=tb.EndFace(film=5.0)))
     figure = result.plot.profiles()
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert {"upper face", "lower face", "rubber 6"} <= set(texts)
@@ -313,9 +315,14 @@ def test_thinned_loops_keep_their_turning_points() -> None:
 
 
 def test_colours_go_from_cold_to_warm() -> None:
-    assert ambient_colours(np.array([23.0, -20.0])) == ["#cc3311", "#0077bb"]
-    assert ambient_colours(np.array([-20.0])) == ["#0077bb"]
-    assert ambient_colours(np.array([40.0])) == ["#cc3311"]
+    """Lighter with each temperature, and dark enough to be read on white paper."""
+    cold, warm = ambient_colours(np.array([-20.0])), ambient_colours(np.array([40.0]))
+    assert ambient_colours(np.array([23.0, -20.0])) == [*warm, *cold]
+    colours = np.array([to_rgb(colour) for colour in ambient_colours(np.linspace(-40, 40, 12))])
+    linear = np.where(colours <= 0.04045, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]  # sRGB, IEC 61966-2-1
+    assert (np.diff(luminance) > 0.0).all()
+    assert (1.05 / (luminance + 0.05) > 2.99).all()  # contrast of WCAG 2.2 with white
 
 
 def test_long_history_stays_small() -> None:
@@ -352,7 +359,9 @@ def test_letters_without_a_font_give_one_warning(
     monkeypatch.setattr(drawing, "_east_asian_fonts", list)
 
     def titled() -> Figure:
-        return drawing.panels(1, 1, (3.0, 3.0), "\u6771\u4eac \ue123")[0]
+        figure, (ax,) = drawing.panels(1, 1, (3.0, 3.0), "\u6771\u4eac \ue123")
+        ax.plot([0.0, 1.0])
+        return figure
 
     with pytest.warns(drawing.MissingLettersWarning) as caught:
         drawing.save_figures({"a": titled, "b": titled}, tmp_path, vector=True)
@@ -363,6 +372,32 @@ def test_letters_without_a_font_give_one_warning(
     assert str(pickle.loads(pickle.dumps(one.message))) == str(one.message)  # of another process
 
 
+def test_a_figure_without_data_is_not_written(tmp_path: Path) -> None:
+    """Points and areas that are not numbers, and lines across a panel, are no data."""
+
+    def drawn(*, data: bool) -> Figure:
+        number = 1.0 if data else np.nan
+        figure, axes = drawing.panels(1, 5, (9.0, 3.0), "title")
+        axes[0].axhline(1.0)
+        axes[1].plot([0.0, 1.0], [np.nan, number])
+        axes[2].barh([0.0, 1.0], [np.nan, np.nan])
+        axes[3].fill_between([0.0, 1.0], [0.0, 0.0], [np.nan, np.nan])
+        axes[4].scatter([np.nan], [1.0])
+        return figure
+
+    with pytest.warns(drawing.EmptyFigureWarning, match="empty"):
+        written = drawing.save_figures(
+            {"empty": lambda: drawn(data=False), "full": lambda: drawn(data=True)}, tmp_path
+        )
+    assert [path.name for path in written] == ["full.png"]
+    assert [path.name for path in tmp_path.iterdir()] == ["full.png"]
+    for draw in ("barh", "scatter", "fill_between", "imshow"):
+        figure, (ax,) = drawing.panels(1, 1, (3.0, 3.0), "")
+        words = {"imshow": [[[1.0]]], "fill_between": [[0.0, 1.0], [1.0, 2.0]]}
+        getattr(ax, draw)(*words.get(draw, [[0.0], [1.0]]))
+        assert drawing.holds_data(figure), draw
+
+
 def test_an_installed_font_draws_letters_that_the_first_lacks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
 ) -> None:
@@ -371,6 +406,7 @@ def test_an_installed_font_draws_letters_that_the_first_lacks(
     monkeypatch.setattr(drawing, "FIRST_EAST_ASIAN", "\u2000")
     drawing._east_asian_fonts.cache_clear()
     figure, (ax,) = drawing.panels(1, 1, (3.0, 3.0), "")
+    ax.plot([0.0, 1.0])
     drawing.name_axes(ax, "only in STIX: \u2332")
     drawing.save_figures({"a": lambda: figure}, tmp_path)
     drawing._east_asian_fonts.cache_clear()
@@ -403,6 +439,7 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
 WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thorough)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", WIDTHS)
 def test_figures_of_a_paper_have_its_width_and_no_overlaps(result: tb.Result, width: str) -> None:
     with figure_style({"width": width, "titles": False}):
@@ -428,6 +465,7 @@ def test_notes_move_away_from_data() -> None:
     assert not path.intersects_bbox(box, filled=False)
 
 
+@pytest.mark.thorough
 def test_saved_vectors_hold_text_and_the_font(result: tb.Result, tmp_path: Path) -> None:
     plots = type(result.plot)(result)
     plots.draw_all = lambda: {"loops": result.plot.loops}  # type: ignore[method-assign]
@@ -444,3 +482,16 @@ def test_saved_vectors_hold_text_and_the_font(result: tb.Result, tmp_path: Path)
             plots.save_all(tmp_path, width=wrong)
     with pytest.raises(tb.InputError, match="png, pdf, svg"):
         plots.save_all(tmp_path, format="gif")
+
+
+@pytest.mark.parametrize("words", [4, 8, 11, 60])
+def test_titles_have_at_most_two_lines(words: int) -> None:
+    title = f"a bridge of five spans, x: {' '.join(['displacement'] * words)}"
+    figure, _ = drawing.panels(1, 1, (6.0, 3.0), title)
+    reported = figure.get_suptitle()
+    assert reported.count("\n") <= 1
+    assert reported.startswith("a bridge of five spans, x")
+    assert reported.endswith("\N{HORIZONTAL ELLIPSIS}") == (words == 60)
+    figure.draw_without_rendering()
+    box = figure._suptitle.get_window_extent()
+    assert box.width <= figure.bbox.width

@@ -60,6 +60,7 @@ def test_cycles_of_a_fit_are_absolute(fit: tb.Identification) -> None:
     assert text.replace("-", "−") in energy.get_title(loc="left")
 
 
+@pytest.mark.thorough
 def test_a_band_lies_around_the_loops(fit: tb.Identification) -> None:
     band = forecast(fit, [-30.0]).bands[0]
     loops, turns = fit.plot.band(band).axes
@@ -105,7 +106,7 @@ WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thoro
 
 @pytest.mark.parametrize("width", WIDTHS)
 @pytest.mark.parametrize(
-    "kind", quick_cases(["calibration", "check", "design", "study", "bounds"], 1, 4)
+    "kind", quick_cases(["calibration", "check", "design", "study", "bounds"], 1)
 )
 def test_figures_of_a_paper_have_no_overlaps(kind: str, width: str, fit: tb.Identification) -> None:
     known: dict[str, Callable[[], Any]] = {

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from thermobearing.earthquake.measures import farthest
+from thermobearing.earthquake.measures import signed_peak
 from thermobearing.quantities.governing import (
     TIE,
     largest_by,
@@ -77,8 +77,8 @@ def test_items_by_size() -> None:
 
 
 def test_sign_of_the_farthest_part_is_that_of_the_first() -> None:
-    assert farthest([1.0, -1.0 - ROUNDING]) == 1.0
-    assert farthest([-1.0, 1.0 + ROUNDING]) == -1.0
+    assert signed_peak([1.0, -1.0 - ROUNDING]) == 1.0
+    assert signed_peak([-1.0, 1.0 + ROUNDING]) == -1.0
 
 
 def test_later_of_equal_excursions_makes_the_largest_loop() -> None:

@@ -23,7 +23,7 @@ from tests.unit.inputs import command, cyclic
 from thermobearing.cli import app
 from thermobearing.commands.common import COMPILING
 from thermobearing.commands.descriptions import describe, descriptions_text
-from thermobearing.commands.options import DESCRIPTIONS, MADE
+from thermobearing.commands.options import COMMAND_FIELDS, DESCRIPTIONS
 from thermobearing.commands.progress import Rate, progress_bar
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.motions.readers import read_motion
@@ -76,7 +76,7 @@ def test_every_option_is_described() -> None:
 def test_stored_descriptions_are_those_of_the_records() -> None:
     """Help reads the file in place of the records; an option that is not in it has the same."""
     text = DESCRIPTIONS.read_text(encoding="utf-8")
-    assert text == descriptions_text(MADE), "python -m docs.generate --texts-only"
+    assert text == descriptions_text(COMMAND_FIELDS), "python -m docs.generate --texts-only"
     assert describe("cyclic.protocol:CyclicTest", "dt") == {
         "kind": "float",
         "text": "Largest time step while the bearing moves [s], in [1e-6, 10]; 0.005 by default.",
@@ -122,7 +122,7 @@ def test_every_option_with_a_unit_shows_it(words: tuple[str, ...]) -> None:
     for line in help_of(words).splitlines():
         option = re.search(NUMBER, line)
         if option and option[1] not in PURE:
-            assert re.search(r"\[(s|mm|kN|mm/s|degC|Hz|rad)\]", line), line
+            assert re.search(r"\[(s|h|mm|kN|mm/s|degC|Hz|rad)\]", line), line
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -192,11 +192,21 @@ def test_first_run_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.Mon
 
 def test_numbers_are_among_the_options() -> None:
     """The one above would say nothing if help named the types otherwise."""
-    assert len(re.findall(NUMBER, help_of(("hybrid",)))) >= 5
+    assert len(re.findall(NUMBER, help_of(("cyclic",)))) >= 5
+
+
+def test_an_option_of_several_keys_lists_choices_and_units() -> None:
+    shown = help_of(("hybrid",))
+    assert "scheme=conservative|published" in shown
+    for key in ("delay [s]", "force_noise [kN]", "speed [mm/s]", "side.film"):
+        assert key in shown
+    described = describe("model.options:ModelOptions", "side")
+    assert described["entries"] == ["film", "cover"]
 
 
 TEST = "time_s,displacement_mm,force_kN\n" + "".join(
-    f"{0.1 * k},{(k % 20) - 10},{2 * (k % 20) - 20}\n" for k in range(60)
+    f"{0.1 * k},{10 - abs(k % 40 - 20)},{23 - 2 * abs(k % 40 - 20) - 6 * (k % 40 > 20)}\n"
+    for k in range(10, 130)
 )
 STRONG = "time_s,acceleration_gal\n" + "".join(f"{0.01 * k},{5e4 * (-1) ** k}\n" for k in range(99))
 
@@ -227,7 +237,7 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
         (("cyclic", "--strain", "1", "--rest", "-5"), "thermobearing: --rest = -5.0: must be"),
         (("cyclic", "--strain", "1", "--cycles", "0"), "thermobearing: --cycles = 0: must be"),
         (("cyclic", "--strain", "1", "--ratio", "1"), "thermobearing: --ratio: applies only"),
-        (("bridge", "--axial-force", "1", "--checks", "x"), ': --checks: "x" must be'),
+        (("bridge", "--axial-force", "1", "--codes", "x"), ': --codes: "x" must be'),
         (("design", "--group", "x,y"), '--group: no bearing line is called "x"'),
         (("bridge", "--exposure", "stiffness=-1"), "--exposure stiffness = -1.0: must be"),
         (("bridge", "--exposure", "foo=1"), 'unknown key "--exposure foo"'),
@@ -238,6 +248,7 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
         ((*FIT, "--free", "K_x"), '--free: no parameter "K_x"'),
         ((*FIT, "--free", "sigma_Y"), '--free: "sigma_Y": the bearing'),
         ((*FIT, "--starts", "0"), "--starts = 0: must be"),
+        ((*FIT, "--start-from", "file"), '--start-from = "file": '),
         (("cyclic", "case.toml"), "case.toml: analysis.keep_every = 0: must be"),
     ],
     ids=lambda value: " ".join(value[-2:]) if isinstance(value, tuple) else None,

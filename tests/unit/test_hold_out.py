@@ -15,13 +15,17 @@ from tests import tolerances as tol
 from tests.unit.inputs import command, write_test
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
-from thermobearing.identify.records.cycles import compare_loops
+from thermobearing.identify.records.cycles import (
+    compare_loops,
+    compute_measures,
+    largest_measures,
+)
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.validate.result import BEYOND, REPORTED, WITHIN, CrossValidation, Validation
 from thermobearing.validate.run import _split_tests, cross_validate
 
 HDR = "shen-hdr-specimen"
-TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
+TEST = tb.cyclic_test(strain=[0.5, 1.5], cycles=1, rest=None)
 FAULT = 1.3  # of a load cell that reads too much
 AMBIENTS = (-20.0, -10.0, 10.0, 23.0)
 FIT: dict[str, Any] = {"free": ["K_r", "d_y"], "starts": 1}
@@ -136,7 +140,7 @@ def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> 
         ({"hold_out": "all"}, "none remains"),
         *(({"folds": folds}, "from 2 to the number of tests, 3") for folds in (4, 1, True, 2.0)),
         ({"folds": 2, "limits": {"K_eg": 0.1}}, '"K_eq"'),
-        ({"folds": 2, "method": "annealing"}, "least-squares"),
+        ({"folds": 2, "loss": "cubic"}, "soft_l1"),
         ({"hold_out": "nobody.csv"}, "nobody.csv"),
     ],
 )
@@ -219,6 +223,7 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     assert {path.name for path in out.iterdir()} == fitted | {"table.csv", "cycles.csv"}
 
 
+@pytest.mark.thorough
 def test_command_with_folds(tmp_path: Path, good: list[TestRecord]) -> None:
     files = [write_test(tmp_path, record) for record in good[:2]]
     out = tmp_path / "folds"
@@ -336,6 +341,31 @@ def test_measures_of_loops_whose_answer_is_known() -> None:
     assert compare_loops(sines((0.0,)), force) == ([], None)
 
 
+def test_measures_of_triangular_cycles_are_those_of_measure() -> None:
+    """The extremes are at the tips, which a mean over samples cuts off."""
+    t = np.append(0.0, np.arange(160) / 40.0 + 0.006)  # no later sample at zero displacement
+    x = 40.0 * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * t))
+    force = 2.0 * x + 30.0 * np.sign(np.cos(2.0 * np.pi * t))
+    record = tb.record_from_arrays(t, x, force, 23.0)
+    loops, top = compare_loops(record, 1.1 * force)
+    measured = compute_measures(record, force, 1e4, 50.0)
+    assert len(loops) == len(measured) > 1
+    for loop, cycle in zip(loops, measured, strict=True):
+        expected = (
+            cycle.force_max_kN,
+            cycle.force_min_kN,
+            cycle.stiffness_kN_mm,
+            cycle.h_eq,
+            cycle.energy_kN_mm,
+        )
+        assert_allclose(list(loop.test.values()), expected, rtol=tol.LOOP)
+        assert_allclose(list(loop.ratios.values()), [1.1, 1.1, 1.1, 1.0, 1.1], rtol=tol.LOOP)
+    assert top is not None
+    assert top.test["F+"] == force[top.first : top.last + 1].max()
+    predicted = largest_measures(record, force)
+    assert (predicted["K_eq"], predicted["energy"]) == (top.test["K_eq"], top.test["energy"])
+
+
 def test_the_largest_loop_may_be_no_full_cycle() -> None:
     """The farthest excursion to one side and the one after it, which belong to two cycles."""
     record = sines((10.0, 40.0, 60.0))
@@ -403,6 +433,7 @@ def test_what_cannot_be_validate(record: TestRecord, options: dict[str, Any], sa
         tb.validate_bearing(**{"bearings": HDR, "records": record} | options)
 
 
+@pytest.mark.thorough
 def test_command_validate(tmp_path: Path, record: TestRecord) -> None:
     columns = {"time_s": record.time, "displacement_mm": record.displacement}
     columns |= {"force_kN": record.force, "T3_degC": record.temperatures["T3_degC"]}

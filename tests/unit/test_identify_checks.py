@@ -12,6 +12,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
+from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
 from thermobearing.identify.records import treatment
@@ -21,6 +22,7 @@ from thermobearing.identify.records.figures import draw_record
 from thermobearing.identify.records.record import (
     ASSUMED_AMBIENT,
     TestRecord,
+    _describe_drift,
     load_test,
     record_from_arrays,
 )
@@ -98,7 +100,7 @@ BAD: dict[str, tuple[Callable[[TestRecord], TestRecord], str, str, str]] = {
     "no force": (lambda r: replace(r, force=0.0 * r.time + 3.0), "refused", "force", "3 kN"),
     "drift": (lambda r: plus(r, np.linspace(0.0, 0.3, len(r.time))), "warning", "drift", ""),
     "offset": (lambda r: plus(r, 0.1), "warning", "offset", "force_offset"),
-    "gap": (lambda r: without(r, slice(-300, -285)), "warning", "sampling", "no samples from"),
+    "gap": (lambda r: without(r, slice(-300, -285)), "warning", "sampling", "missing from"),
     "time": (back_in_time, "refused", "time", ""),
     # Refused in words, although no cycle of so few samples can be measured.
     "few samples": (
@@ -154,6 +156,23 @@ def test_a_slight_zero_of_the_force_is_reported(zero: float) -> None:
     assert number == pytest.approx(zero / 160.0 * peak, rel=0.15)
 
 
+@pytest.mark.parametrize(("sign", "subtracted"), [(1.0, 0.0), (-1.0, 0.0), (-1.0, 2.0)])
+def test_the_offset_of_the_message_is_that_of_the_readings(
+    good: TestRecord, tmp_path: Path, sign: float, subtracted: float
+) -> None:
+    """The sidecar subtracts it before it reverses the sign, and may have subtracted a part."""
+    zero = 12.0
+    columns = {"time_s": good.time, "displacement_mm": good.displacement}
+    write(tmp_path / "t.csv", columns | {"force_kN": sign * good.force + zero})
+    keys = f'ambient = "23 degC"\nflip_force = {str(sign < 0.0).lower()}\n'
+    (tmp_path / "t.toml").write_text(f'{keys}force_offset = "{subtracted} kN"\n')
+    reported = said(check_test(load_test(tmp_path / "t.toml"), BEARING), "warning")
+    offset = re.findall(r'force_offset = "(.*) kN"', reported)[0]
+    assert float(offset) == pytest.approx(zero, rel=0.1)
+    (tmp_path / "t.toml").write_text(f'{keys}force_offset = "{offset} kN"\n')
+    assert ("warning", "offset") not in found(check_test(load_test(tmp_path / "t.toml"), BEARING))
+
+
 @pytest.mark.parametrize(
     ("way", "force", "slip"),
     [
@@ -178,13 +197,49 @@ def test_a_wrong_unit_is_reported_by_the_slip_behind_it(
     assert slip in said(report, "refused")
 
 
+@pytest.mark.parametrize(("offset", "level"), [(0.0, "note"), (2.9, "warning")])
+def test_offset_is_judged_by_the_smallest_cycles(offset: float, level: str) -> None:
+    """2.9 kN are 6 % of the cycles of 48 kN, although 2 % of those of 145 kN."""
+    turn = np.linspace(0.0, 6.0 * np.pi, 601)[:-1]
+    x = np.concatenate([15.0 * np.sin(turn), 45.0 * np.sin(turn)])
+    force = 3.2 * x + np.concatenate([5.0 * np.cos(turn), 15.0 * np.cos(turn)]) + offset
+    record = record_from_arrays(0.05 * np.arange(len(x)), x, force, -20.0)
+    (finding,) = (
+        one
+        for one in check_test(record).findings
+        if one.check in ("zero", "offset") and "kN" in one.sentence
+    )
+    assert finding.level == level
+    assert f"{offset:.2g} kN" in finding.sentence
+    share = float(re.findall(r"([\d.]+) %", finding.sentence)[-1])
+    assert share == pytest.approx(100.0 * offset / 48.3, abs=0.1)
+
+
+def test_the_drift_of_a_force_that_softens() -> None:
+    """Of a drift of 20 kN the middles of the loops, which lean in the cold, make 22.2 kN."""
+    steps = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=4, rest=60.0)
+    cold = synthetic_record(BEARING, -20.0, steps, noise=0.003, seed=5)
+    line = 20.0 * (cold.time - cold.time[0]) / np.ptp(cold.time)
+    treated = check_test(replace(cold, force=cold.force + line)).treatment
+    assert treated is not None
+    assert treated.drifts["force"].total == pytest.approx(20.0, rel=0.02)
+
+
+def test_a_chamber_that_wanders_states_its_extremes() -> None:
+    """It ends where it began, so that its first and last values would say that nothing happened."""
+    time = np.linspace(0.0, 100.0, 2001)
+    sentence = _describe_drift(time, -20.0 + 0.65 * np.sin(0.04 * np.pi * time))
+    low, high = map(float, re.findall(r"-?\d+\.\d", sentence)[:2])
+    assert (low, high) == pytest.approx((-20.65, -19.35), abs=0.06)
+
+
 def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:
     """One cycle of six that sits 30 % too high is no offset of the record."""
     force = good.force.copy()
     cycle = check_test(good, BEARING).cycles[1]
     force[cycle.first : cycle.last] += 0.3 * good.peak_force
     reported = said(check_test(replace(good, force=force), BEARING), "warning")
-    assert "middle of the force loops is at" not in reported
+    assert "zero of the force is off" not in reported
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])
@@ -284,7 +339,9 @@ def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:
     path = np.abs(np.diff(X)).sum()
     assert_allclose(record.time[-1], path / ASSUMED_SPEED, rtol=1e-3)
     (tmp_path / "t.toml").write_text('sampling = "50 Hz"\n')
-    assert_allclose(load_test(tmp_path / "t.csv").time, TIME, atol=tol.CONVERSION)
+    record = load_test(tmp_path / "t.csv")
+    assert_allclose(record.time, TIME, atol=tol.CONVERSION)
+    assert not any("Hz" in text for text in record.assumptions)
 
 
 @pytest.mark.parametrize(
@@ -483,3 +540,34 @@ def test_drift_is_found_and_taken_out_when_reported(record: TestRecord, name: st
     peak = float(np.abs(getattr(record, name)).max())
     assert np.abs(off).max() < 0.025 * peak
     assert "removed" in said(check_test(reported.record, HDR), "note", "drift")
+
+
+def test_a_drift_that_is_small_is_removed_on_request(record: TestRecord) -> None:
+    """1 % of the peak is not reported, but removed where the sidecar asks for it."""
+    part = 0.01
+    assert not said(check_test(drifting(record, "force", part), HDR), "warning", "drift")
+    treated = treatment.treat(drifting(record, "force", part, detrend="force"))
+    assert treated.summary()["drift_removed"] == ["force"]
+    plain = treatment.treat(replace(record, detrend="force"))
+    assert_allclose(treated.cleaned.force, plain.cleaned.force, atol=1e-3 * record.peak_force)
+
+
+def test_a_drift_of_few_cycles_is_not_reported_as_removed() -> None:
+    test = tb.cyclic_test(strain=[1.0], cycles=3, rest=None)
+    short = replace(synthetic_record(HDR, 23.0, test), detrend="force")
+    assert treatment.treat(short).summary()["drift_removed"] == []
+    assert "not removed" in said(check_test(short, HDR), "warning", "drift")
+
+
+def test_tests_of_one_name_are_told_apart_by_their_folders() -> None:
+    time = np.linspace(0.0, 40.0, 401)
+    moved = 30.0 * np.sin(0.5 * time)
+    records = [
+        replace(
+            record_from_arrays(time, moved, 2.0 * moved, ambient=20.0, name=name),
+            file=f"{folder}/{name}.csv",
+        )
+        for folder, name in (("warm", "history"), ("cold", "history"), ("cold", "other"))
+    ]
+    names = [record.name for record in make_identify_case(records, "shen-hdr-specimen").records]
+    assert names == ["warm-history", "cold-history", "other"]

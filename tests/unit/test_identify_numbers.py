@@ -11,7 +11,6 @@ from scipy.stats import t as student
 
 import thermobearing as tb
 from tests import tolerances as tol
-from tests.conftest import Recorder
 from thermobearing.border.errors import InputError
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit import search as search
@@ -38,14 +37,16 @@ from thermobearing.identify.fit.problem import (
     _sample_weights,
     half_cycles,
 )
-from thermobearing.identify.fit.search import _krill_herd
 from thermobearing.identify.fit.start import _with_temperature, loop_start
-from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
+from thermobearing.identify.fit.synthetic import generic_start, synthetic_record
+from thermobearing.identify.properties import _chosen_cycles, _level_amplitudes
 from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 from thermobearing.identify.result import _fit_warnings
 from thermobearing.identify.uncertainty.covariance import (
     _effective_samples,
+    _signal_warnings,
+    _step_at_reversals,
     _test_warnings,
     estimate,
 )
@@ -205,11 +206,11 @@ def test_stiffer_first_cycles_are_reported(first: float, reported: bool) -> None
     said = [text for text in _fit_warnings(fit) if "scragging" in text]
     assert len(said) == int(reported)
     if reported:
-        assert "17% stronger" in said[0]  # 1 - 1/1.2
+        assert "17 % stronger" in said[0]  # 1 - 1/1.2
         assert "first_cycle_weight = 0" in said[0]
         fit = replace(fit, record=replace(fit.record, first_cycle_weight=0.0))
         (text,) = (text for text in _fit_warnings(fit) if "scragging" in text)
-        assert "they had no weight" in text
+        assert "They had no weight" in text
         assert "first_cycle_weight" not in text
 
 
@@ -282,7 +283,7 @@ def test_remedies_belong_to_their_parameters() -> None:
         (HARDENING, "several amplitudes"), (SHAPE, "small strain"),
     ):  # fmt: skip
         assert words in remedy(KINDS[key])
-    assert "other tests" in remedy(Kind(key="x", symbol="x", scale="log", lower=0.1, upper=1.0))
+    assert "Other tests" in remedy(Kind(key="x", symbol="x", scale="log", lower=0.1, upper=1.0))
 
 
 @pytest.mark.parametrize("transform", ["log", "log1p", "linear"])
@@ -343,7 +344,7 @@ def test_search_keeps_the_best_of_its_starts(monkeypatch: pytest.MonkeyPatch) ->
     points = [np.array([0.7]), np.array([0.31]), np.array([0.9])]
     monkeypatch.setattr(search, "_starting_points", lambda *_: points)
     monkeypatch.setattr(search, "_least_squares", lambda _, point, *__, **___: (point, True))
-    case: Any = SimpleNamespace(method="least-squares")
+    case: Any = SimpleNamespace(search=None)
     assert search.search(problem, case)[0] == 0.31
 
 
@@ -363,22 +364,6 @@ def test_least_squares_gets_the_loss_and_its_scale(monkeypatch: pytest.MonkeyPat
     assert_allclose(found, [1e-6, 1.0 - 1e-6])
     assert (asked["loss"], asked["f_scale"], asked["max_nfev"]) == ("huber", 0.02, 7)
     assert asked["bounds"] == (0.0, 1.0)
-
-
-def test_krill_begin_at_the_start_and_keep_the_best() -> None:
-    asked: list[np.ndarray] = []
-
-    def objective(u: np.ndarray) -> float:
-        asked.append(u.copy())
-        return float(((u - 0.3) ** 2).sum())
-
-    start = np.array([0.31, 0.29, 0.3])
-    found = _krill_herd(objective, 3, evaluations=300, population=10, seed=1, start=start)
-    assert_allclose(asked[0], start)
-    assert found.value <= objective(start)
-    assert found.evaluations == len(asked) - 1 <= 300
-    assert found.value == min(float(((u - 0.3) ** 2).sum()) for u in asked)
-    assert_allclose(objective(found.best), found.value)
 
 
 def test_symbols_and_keys_name_the_same() -> None:
@@ -442,7 +427,7 @@ def test_forward_model_is_the_simulation() -> None:
     """Every step recorded: the same force as `run`, from constants that were only updated."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
     record = synthetic_record(LHDR, 0.0, test, noise=0.0, sampling=200.0)
-    model = ForwardModel(record, blind_start(LHDR), fine=True)
+    model = ForwardModel(record, generic_start(LHDR), fine=True)
     predicted = model.run(LHDR)
     assert predicted is not None
     assert_allclose(predicted.force[1:], record.force[1:], atol=tol.SAME_FORCE * record.peak_force)
@@ -464,39 +449,12 @@ def test_a_weight_counts_force_and_temperature_alike() -> None:
 
 def test_start_from_the_loops_knows_the_order_of_things() -> None:
     records = [synthetic_record(HDR, at, SHORT) for at in (-20.0, 23.0)]
-    pset = parameter_set(blind_start(HDR), None, [-20.0, 23.0])
+    pset = parameter_set(generic_start(HDR), None, [-20.0, 23.0])
     start = loop_start(records, pset, Problem(records, pset).coarse)
     assert_allclose(start["hysteresis.layer_stiffness"], 30.7, rtol=tol.BACKBONE_START)
     assert_allclose(
         start["hysteresis.hysteretic_temperature_coefficient"], -2.19, rtol=tol.BACKBONE_START
     )
-
-
-def _sphere(u: np.ndarray) -> float:
-    return float(((10.0 * u - 5.0) ** 2).sum())
-
-
-def _rosenbrock(u: np.ndarray) -> float:
-    x = 10.0 * u - 5.0
-    return float((100.0 * (x[1:] - x[:-1] ** 2) ** 2 + (1.0 - x[:-1]) ** 2).sum())
-
-
-def test_krill_herd_on_known_functions(measured: Recorder) -> None:
-    for name, function, limit in (
-        ("sphere", _sphere, tol.KRILL_SPHERE),
-        ("Rosenbrock", _rosenbrock, tol.KRILL_ROSENBROCK),
-    ):
-        runs = [_krill_herd(function, 7, evaluations=5000, seed=seed) for seed in range(5)]
-        assert all(found.evaluations <= 5000 for found in runs)
-        median = float(np.median([found.value for found in runs]))
-        measured(f"Krill Herd, 7-D {name}, median of 5", median, f"<= {limit:g}")
-        assert median <= limit
-
-
-def test_krill_herd_repeats_itself_and_takes_negative_functions() -> None:
-    runs = [_krill_herd(lambda u: _sphere(u) - 100.0, 3, evaluations=600, seed=4) for _ in "ab"]
-    assert runs[0].value == runs[1].value < -90.0
-    assert all(b <= a for a, b in zip(runs[0].history[:-1], runs[0].history[1:], strict=True))
 
 
 def test_effective_samples_of_correlated_noise() -> None:
@@ -506,3 +464,89 @@ def test_effective_samples_of_correlated_noise() -> None:
     for i in range(1, n):
         x[i] += rho * x[i - 1]
     assert_allclose(_effective_samples(x), n * (1.0 - rho) / (1.0 + rho), rtol=0.2)
+
+
+def record_of_cycles(*amplitudes: float) -> TestRecord:
+    """Return one cycle of each amplitude [mm] in a row."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 101)[1:]
+    displacement = np.concatenate([[0.0], *(size * np.sin(turn) for size in amplitudes)])
+    time = 0.02 * np.arange(len(displacement))
+    return record_from_arrays(time, displacement, displacement, 23.0)
+
+
+def test_a_closing_cycle_is_no_common_amplitude() -> None:
+    """Levels of 30 and 15 mm with closing cycles of 3 mm share none, those of 15 mm share one."""
+    large, small, both = (
+        _level_amplitudes(record_of_cycles(*amplitudes))
+        for amplitudes in ((30.0, 30.0, 3.0), (15.0, 15.0, 3.0), (15.0, 15.0, 3.0, 30.0, 30.0, 3.0))
+    )
+    assert list(both) == [0, 1, 3, 4]
+    assert _chosen_cycles([large, small]) == [[1], [1]]
+    assert _chosen_cycles([both, small]) == [[1], [1]]
+    assert _chosen_cycles([both, large, small]) == [[4], [1], [1]]
+
+
+def test_properties_are_those_of_the_cycles_with_intervals() -> None:
+    """The bearing that the records are of lies within the intervals; ratios are quotients."""
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, rest=None, dt=0.02)
+    short = tb.cyclic_test(strain=[1.0], cycles=3, rest=None, dt=0.02)
+    records = [synthetic_record(HDR, -20.0, test), synthetic_record(HDR, 23.0, short)]
+    found = tb.identify_bearing(records, HDR, free=["K_r", "n_T"], starts=1, start_from="bearing")
+    properties = {(item.quantity, item.ambient_degC): item for item in found.properties}
+    assert len(properties) == len(found.properties) == 8
+    size = HDR.area, HDR.total_rubber_thickness
+    fields = {"G_e": "G_eq_MPa", "h_eq": "h_eq", "Q_d": "characteristic_strength_kN"}
+    fields["K_d"] = "post_yield_stiffness_kN_mm"
+    for record in found.records:
+        force = ForwardModel(record, HDR, fine=True).run(HDR)
+        assert force is not None
+        truth, cycles = (
+            [c for c in compute_measures(record, one, *size) if c.amplitude_mm > 29.0][1:]
+            for one in (force.force, record.force)
+        )
+        for symbol, field in fields.items():
+            item = properties[symbol, record.ambient]
+            mean = np.mean([getattr(cycle, field) for cycle in cycles])
+            assert item.measured == pytest.approx(mean)
+            assert item.strain == pytest.approx(1.0, rel=1e-3)
+            true = float(np.mean([getattr(cycle, field) for cycle in truth]))
+            assert item.model is not None
+            assert item.lower is not None
+            assert item.upper is not None
+            assert item.lower < true < item.upper
+            assert item.upper - item.lower < 0.2 * item.model
+    for symbol in fields:
+        cold, warm = properties[symbol, -20.0], properties[symbol, 23.0]
+        assert warm.ratio is None
+        assert cold.model is not None
+        assert warm.model is not None
+        assert cold.ratio == pytest.approx(cold.model / warm.model)
+        assert cold.ratio_lower is not None
+        assert cold.ratio is not None
+        assert cold.ratio_lower < cold.ratio
+    tables = list(found.tables())
+    assert tables.index("properties") < tables.index("parameters")
+
+
+def triangles(per_cycle: int, noise: float = 0.0) -> TestRecord:
+    """Three triangular cycles of 20 mm and 4 s, sampled `per_cycle` times each."""
+    t = np.linspace(0.0, 12.0, 3 * per_cycle + 1)
+    x = 20.0 * (2.0 / np.pi) * np.arcsin(np.sin(0.5 * np.pi * t))
+    x = x + noise * np.random.default_rng(3).normal(size=len(x))
+    return record_from_arrays(t, x, 2.0 * x, 23.0)
+
+
+def test_displacements_that_make_intervals_too_narrow() -> None:
+    """d_y is 1.549 mm: steps of 2 and 0.5 mm, noise of 0.22 and 0.05 mm, and a sine."""
+    assert _step_at_reversals(triangles(40)) == pytest.approx(2.0)
+    assert _step_at_reversals(triangles(160)) == pytest.approx(0.5)
+    t = np.linspace(0.0, 12.0, 121)
+    sine = record_from_arrays(t, 20.0 * np.sin(0.5 * np.pi * t), t, 23.0)
+    assert _step_at_reversals(sine) == pytest.approx(20.0 * (1.0 - np.cos(np.pi / 20.0)))
+    assert _signal_warnings([sine, triangles(160, 0.05)], HDR) == []
+    (coarse,) = _signal_warnings([triangles(160), triangles(40)], HDR)
+    assert "2 mm" in coarse
+    assert "26 Hz" in coarse  # 10 Hz, and 2 mm are 2.58 times half of d_y
+    (noisy,) = _signal_warnings([triangles(160, 0.22), triangles(160)], HDR)
+    assert "14 % of d_y" in noisy or "15 % of d_y" in noisy
+    assert "0.15 mm" in noisy  # a tenth of d_y

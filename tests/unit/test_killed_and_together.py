@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 import thermobearing.results.directory as directory
+from tests.quick import quick_cases
 from tests.unit.inputs import content, cyclic, quick_case, summary
 from thermobearing.border.errors import OutputError
 from thermobearing.border.text_file import write_through
@@ -117,7 +118,7 @@ def filled(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("every", [5, pytest.param(1, marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("exchange", [True, False])
+@pytest.mark.parametrize("exchange", quick_cases([True, False], 0))
 def test_killed_between_two_renames(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, exchange: bool, every: int
 ) -> None:

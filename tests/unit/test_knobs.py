@@ -19,6 +19,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.cyclic.case import Analysis, Case
 from thermobearing.cyclic.protocol import Cycles, PlanePath, Ramp, Recorded, Rest
 from thermobearing.model.options import Side
+from thermobearing.tables.conditioning import Conditioning
 
 STEPS = [
     {"step": "cycles", "strain": 1.5, "speed": 60.0, "count": 2, "closing_strain": 0.1},
@@ -80,6 +81,7 @@ PLANS = {
 OF_ENDS = "lead.end_spreading"  # of confined cores on finite plates only
 OF_FORMULA = "lead.surface_ratio"  # of lead on a half-space only
 OF_RANGE = "temperature_law"  # what is said beyond it: verification/test_temperature_law.py
+OF_BAND = ("rate_band.lowest", "rate_band.highest")  # ends, for `--bands`: unit/test_undecided.py
 OF_LEAD = ("lead", "rate", "materials.lead", "geometry.sealing", "cells.sealing")
 KEYS = [
     pytest.param(shape, key, id=f"{shape}-{key}")
@@ -88,29 +90,33 @@ KEYS = [
     if key.startswith("geometry.plan")
     or (shape == "square" and not key.startswith((*OF_LEAD, OF_RANGE)))
     or (shape == "virgin" and key.startswith("scragging"))
-    or (shape == "lead" and key.startswith(OF_LEAD) and key not in (OF_ENDS, OF_FORMULA))
+    or (shape == "lead" and key.startswith(OF_LEAD) and key not in (OF_ENDS, OF_FORMULA, *OF_BAND))
 ]
 
 
 @pytest.fixture(scope="module")
 def results() -> dict[str, tb.Result]:
     return {
-        shape: tb.run(bearing, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+        shape: tb.run(
+            bearing, TEST, ambient=-10, model=tb.ModelOptions(upper_face=FACE, lower_face=FACE)
+        )
         for shape, bearing in PLANS.items()
     }
 
 
 def test_keys_are_all_there() -> None:
     names = {param.values[1] for param in KEYS}
-    # 23 of the square one, the sizes of the other plans, 13 of lead and rate dependence, 5 of
+    # 23 of the square one, the sizes of the other plans, 14 of lead and rate dependence, 5 of
     # virgin rubber
-    assert len(names) == 44
+    assert len(names) == 45
     assert {"hysteresis.reference_temperature", "cells.shim", "materials.side_film"} <= names
 
 
 def test_same_input_same_output(results: dict[str, tb.Result]) -> None:
     """The comparison is to the bit, so it must say "the same" where nothing was changed."""
-    again = tb.run(PLANS["square"], TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+    again = tb.run(
+        PLANS["square"], TEST, ambient=-10, model=tb.ModelOptions(upper_face=FACE, lower_face=FACE)
+    )
     assert not differ(results["square"], again)
 
 
@@ -118,7 +124,9 @@ def test_same_input_same_output(results: dict[str, tb.Result]) -> None:
 def test_numbers_of_a_bearing(results: dict[str, tb.Result], shape: str, key: str) -> None:
     """Histories of force, not only geometry in the labels, must feel the change."""
     changed = perturbed(PLANS[shape], key)
-    result = tb.run(changed, TEST, ambient=-10, upper_face=FACE, lower_face=FACE)
+    result = tb.run(
+        changed, TEST, ambient=-10, model=tb.ModelOptions(upper_face=FACE, lower_face=FACE)
+    )
     before, after = results[shape], result
     assert differ(before, after)
     same_force = np.array_equal(before["force"].values, after["force"].values)
@@ -155,8 +163,14 @@ def plain() -> tb.Result:
 
 @pytest.mark.parametrize("option", OPTIONS)
 def test_options(plain: tb.Result, option: str) -> None:
-    given = {"initial" if option == "initial_profile" else option: OPTIONS[option]}
-    assert differ(plain, run(**({"keep": tb.Keep(every=3)} if option == "keep_every" else given)))
+    value = OPTIONS[option]
+    if option == "keep_every":
+        keywords = {"keep": tb.Keep(every=value)}
+    elif option in tb.ModelOptions.model_fields:
+        keywords = {"model": tb.ModelOptions(**{option: value})}
+    else:
+        keywords = {"initial" if option == "initial_profile" else option: value}
+    assert differ(plain, run(**keywords))
 
 
 def test_every_option_of_a_case_was_tried() -> None:
@@ -166,7 +180,9 @@ def test_every_option_of_a_case_was_tried() -> None:
     elsewhere |= {"histories"}  # of files: unit/test_thinning.py
     elsewhere |= {"sources"}  # of documents, not of numbers: unit/test_cli.py, the same bits
     elsewhere |= {"axial_force"}  # changes no number: unit/test_bearing_checks.py
-    elsewhere |= {"exposure"}  # unit/test_exposure.py
+    elsewhere |= {"axial", "axial_factor", "axial_history"}  # verification/test_axial.py
+    elsewhere |= {"exposure", "state"}  # unit/test_exposure.py, unit/test_state.py
+    elsewhere |= {*Conditioning.model_fields}  # unit/test_conditioning.py
     elsewhere |= {"hardening"}  # acts at larger strains: verification/test_softening.py
     elsewhere |= {"small_loops"}  # acts after small reversals: verification/test_small_loops.py
     assert {*Analysis.model_fields, *Case.model_fields} - elsewhere <= set(OPTIONS)
@@ -176,7 +192,13 @@ def test_choices_of_lead(results: dict[str, tb.Result]) -> None:
     confined = tb.changed_bearing(PLANS["lead"], lead={"confined": True})
     warm: dict[str, Any] = {"initial": tb.InitialState(lead=30.0)}
     for bearing, more in ((confined, {}), (PLANS["lead"], warm)):
-        other = tb.run(bearing, TEST, ambient=-10, upper_face=FACE, lower_face=FACE, **more)
+        other = tb.run(
+            bearing,
+            TEST,
+            ambient=-10,
+            model=tb.ModelOptions(upper_face=FACE, lower_face=FACE),
+            **more,
+        )
         assert differ(results["lead"], other)
 
 
@@ -184,7 +206,7 @@ def test_lead_on_finite_plates() -> None:
     bearing = tb.load_bearing("shen-lhdr-specimen")
     clock = tb.changed_bearing(bearing, lead={"clock": "lead"})
     run_of = {
-        ends: tb.run(bearing, TEST, ambient=-10, lead_ends=ends)
+        ends: tb.run(bearing, TEST, ambient=-10, model=tb.ModelOptions(lead_ends=ends))
         for ends in ("half-space", "finite-plate")
     }
     assert differ(*run_of.values())
@@ -195,7 +217,7 @@ def test_lead_on_finite_plates() -> None:
             (perturbed(bearing, OF_FORMULA), "half-space"),
             (clock, "half-space"),
         ):
-            other = tb.run(changed, TEST, ambient=-10, lead_ends=ends)
+            other = tb.run(changed, TEST, ambient=-10, model=tb.ModelOptions(lead_ends=ends))
             assert differ(plain, other) == (ends == of)
 
 
@@ -217,7 +239,7 @@ def test_ambient_series(plain: tb.Result) -> None:
     [({"eta": 2.0}, {"eta": 2.1}), ({"film": 5.0}, {"film": 6.0}), ({"eta": 1.0}, {"film": 1.0})],
 )
 def test_faces(face: dict[str, float], other: dict[str, float]) -> None:
-    one, two = (run(upper_face=tb.EndFace(**f), initial=20.0) for f in (face, other))
+    one, two = (run(model=tb.ModelOptions(upper_face=f), initial=20.0) for f in (face, other))
     assert differ(one, two)
 
 

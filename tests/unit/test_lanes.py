@@ -9,6 +9,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from tests import tolerances as tol
+from tests.quick import quick_cases
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes import functions
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
@@ -41,7 +42,7 @@ def of_lanes(function: Any) -> Any:
     return kernel
 
 
-@pytest.mark.parametrize("name", ARGUMENTS)
+@pytest.mark.parametrize("name", quick_cases(ARGUMENTS, 0, 4, 5))
 def test_functions_of_lanes_are_those_of_numbers(name: str) -> None:
     known, x = ARGUMENTS[name]
     found = aligned((COUNT // WIDTH, WIDTH), np.float64)

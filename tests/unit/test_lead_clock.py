@@ -64,7 +64,9 @@ def test_it_reaches_the_lead_and_the_resolved_case() -> None:
     """A clock of lead runs faster than that of steel: less heat leaves, the lead is warmer."""
     warm = {}
     for clock in (None, "lead", "steel"):
-        result = tb.run("shen-lhdr-specimen", SHORT, 0.0, scheme="published", clock=clock)
+        result = tb.run(
+            "shen-lhdr-specimen", SHORT, 0.0, model=tb.ModelOptions(scheme="published", clock=clock)
+        )
         warm[clock] = np.nanmax(result["lead_temperature"].values)
         case = make_case({}, "table", bearing="shen-lhdr-specimen", scheme="published", clock=clock)
         table = tomllib.loads(case.to_toml())
@@ -87,16 +89,17 @@ def test_a_clock_that_does_nothing_is_refused(
     bearing: str, options: dict[str, Any], words: list[str]
 ) -> None:
     asked = {**options, "clock": "lead"}
+    model = ModelOptions(**asked)
     ways = [
-        lambda: tb.run(bearing, SHORT, 0.0, **asked),
-        lambda: tb.BearingElement(bearing, **asked),
+        lambda: tb.run(bearing, SHORT, 0.0, model=model),
+        lambda: tb.BearingElement(bearing, model=model),
         lambda: make_sequence_case(
             {"bearing": bearing, "ambient": "0 degC", "parts": [PART], "analysis": asked}, "table"
         ),
     ]
     if bearing == "shen-lhdr-specimen":  # a study has bearings with and without lead
-        ways.append(lambda: tb.hybrid(bearing, ambient=0, duration=1, **asked))
-        ways.append(lambda: tb.bridge(bearing, "jra-ii-i-1", 0, duration=1, **asked))
+        ways.append(lambda: tb.hybrid(bearing, ambient=0, duration=1, model=model))
+        ways.append(lambda: tb.bridge(bearing, "jra-ii-i-1", 0, duration=1, model=model))
     for way in ways:
         with pytest.raises(tb.InputError) as reported:
             way()
@@ -106,8 +109,11 @@ def test_a_clock_that_does_nothing_is_refused(
 
 def test_it_passes_by_bearings_without_lead() -> None:
     both = ["shen-hdr-specimen", "shen-lhdr-specimen"]
-    options: dict[str, Any] = {"ambient": 0, "duration": 3, "scheme": "published"}
-    lead, steel = (tb.hybrid(both, clock=clock, **options) for clock in ("lead", "steel"))
+    options: dict[str, Any] = {"ambient": 0, "duration": 3}
+    lead, steel = (
+        tb.hybrid(both, model=tb.ModelOptions(scheme="published", clock=clock), **options)
+        for clock in ("lead", "steel")
+    )
     hottest = [float(np.nanmax(study["lead_temperature"].values)) for study in (lead, steel)]
     assert hottest[0] > hottest[1]
 
@@ -116,11 +122,11 @@ def test_on_the_command_line(tmp_path: Any) -> None:
     case = tmp_path / "case.toml"
     steps = [{"step": "cycles", "strain": 0.5, "speed": "30 mm/s", "count": 1}]
     case.write_text(tomli_w.dumps({"ambient": ["0 degC"], "test": {"name": "a", "steps": steps}}))
-    words = ["cyclic", str(case), "--bearing", "shen-lhdr-specimen", "--clock", "lead"]
+    words = ["cyclic", str(case), "--bearing", "shen-lhdr-specimen", "--model-option", "clock=lead"]
     where = ["-o", str(tmp_path / "out"), "--no-figures", "--quiet"]
     refused = CliRunner().invoke(app, [*words, *where], env={"COLUMNS": "200"})
     assert refused.exit_code == 2
     assert not (tmp_path / "out").exists()
-    done = CliRunner().invoke(app, [*words, "--lead-ends", "half-space", *where])
+    done = CliRunner().invoke(app, [*words, "--model-option", "lead_ends=half-space", *where])
     assert done.exit_code == 0
     assert 'clock = "lead"' in (tmp_path / "out" / "case.resolved.toml").read_text()

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Annotated, Any, get_args
 
 import pytest
-from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel, Field
 from pydantic.fields import FieldInfo
 
@@ -60,10 +59,12 @@ for file in FILES:
 
 def limits(model: type[BaseModel], name: str) -> tuple[list[float], list[float]]:
     found = list(parts(model.model_fields[name]))
-    low = [part.ge if isinstance(part, Ge) else part.gt for part in found if type(part) in (Ge, Gt)]
-    high = [part.le if isinstance(part, Le) else part.lt for part in found
-            if type(part) in (Le, Lt)]  # fmt: skip
-    return low, high
+    instances = [part for part in found if not isinstance(part, type)]
+
+    def _stated(*names: str) -> list[float]:
+        return [getattr(part, name) for part in instances for name in names if hasattr(part, name)]
+
+    return _stated("ge", "gt"), _stated("le", "lt")
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)

@@ -13,15 +13,17 @@ from tests.unit.studies import small_study
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_toml
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe
+from thermobearing.earthquake.answer import main_results
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.measures import COLUMNS
+from thermobearing.earthquake.measures import COLUMNS, cold_ratios
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, find_outcome
-from thermobearing.earthquake.tables import _parts_table, governing_runs
+from thermobearing.earthquake.tables import _parts_table, governing_runs, make_tables
+from thermobearing.quantities.words import change
 from thermobearing.structure import model
 from thermobearing.structure.matrices import _coordinates
 from thermobearing.structure.result import implausible_structure
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.run.shard import run_shard
 from thermobearing.studies.statistics.demand import counted
 
@@ -69,6 +71,47 @@ def study() -> tb.EarthquakeResult:
     return tb.bridge("shen-hdr-bridge", ambient=[23.0], structure=structure, lines=lines, **MOTION)
 
 
+@pytest.fixture(scope="module")
+def two_kinds() -> tb.EarthquakeResult:
+    """HDR on A, whose force and energy depend much on temperature, and LRB on B, two motions."""
+    return tb.bridge(
+        "lrb-example",
+        ["jra-ii-i-1", "jra-ii-i-2"],
+        [23.0, -20.0],
+        structure=make_bridge(two_piers()),
+        lines=[{"line": "on A", "bearing": "shen-hdr-bridge"}],
+        duration=6.0,
+    )
+
+
+def test_the_cold_compares_each_line_with_itself(two_kinds: tb.EarthquakeResult) -> None:
+    """The largest force is of the LRB when warm and of the HDR when cold: no ratio of a bearing."""
+    keys = ["line_bearing", "motion", "ambient_degC"]
+    lines = two_kinds.lines.set_index(keys)
+    ratios = cold_ratios(two_kinds).set_index(keys)
+    assert len(ratios) == 4
+    columns = {"force_max_kN": "bearing_force_max_kN", "energy_kN_mm": "bearing_energy_kN_mm"}
+    for (bearing, motion, _), row in ratios.iterrows():
+        cold, warm = (lines.loc[(bearing, motion, ambient)] for ambient in (-20.0, 23.0))
+        for column, peak in columns.items():
+            assert_allclose(row[peak], cold[column] / warm[column])
+    means = ratios["bearing_force_max_kN"].groupby("line_bearing").mean()
+    assert means["shen-hdr-bridge"] > 1.5 * means["lrb-example"]
+    sentence = main_results(two_kinds)[0]
+    for bearing, ratio in means.items():
+        size = change(ratio, "larger", "smaller")
+        assert f"with {bearing} the mean bearing force is {size}" in sentence
+    assert {row[0] for row in make_tables(two_kinds)["cold"].rows} == set(means.index)
+
+
+def test_the_energy_of_one_kind_is_the_mean_over_its_lines() -> None:
+    structure = make_bridge(two_piers())
+    result = tb.bridge("shen-hdr-bridge", ambient=[23.0, -20.0], structure=structure, **MOTION)
+    energy = result.lines.set_index(["ambient_degC", "line"])["energy_kN_mm"]
+    ratio = (energy.loc[-20.0] / energy.loc[23.0]).mean()
+    assert_allclose(cold_ratios(result)["bearing_energy_kN_mm"], ratio)
+
+
 def test_the_table_holds_the_governing_values(study: tb.EarthquakeResult) -> None:
     """The largest of all lines and piers with its place; before: line and pier of the report."""
     lines, piers = study.lines.set_index("line"), study.piers.set_index("pier")
@@ -95,23 +138,25 @@ def test_the_document_is_about_all_lines(study: tb.EarthquakeResult) -> None:
     """Answer, first table and peaks; before: 155 kN of the line of the report."""
     pieces = build_pieces(study)
     force = study.lines["force_max_kN"].max()
-    assert f"{force:.3g} kN (" in pieces.answer[0]
-    assert "23 °C, line on A)" in pieces.answer[0]
+    assert f"{force:.3g} kN (" in pieces.answer[1]
+    assert "23 °C, line on A)" in pieces.answer[1]
     governing = {row[0]: row[1:] for row in pieces.tables["governing"].rows}
     assert governing["Force of one bearing [kN]"] == [force, "on A", "jra-ii-i-1", 23.0]
     peaks = pieces.tables["peaks"]
     heads = [column.head for column in peaks.columns]
     assert peaks.rows[0][heads.index("Force of one")] == force
     warm = study.lines["rubber_rise_K"].max()
-    assert f"{warm:.1f} K" in pieces.answer[1]
+    assert f"{warm:.1f} K" in pieces.answer[2]
     # Histories are those of one line, and say so, with its own peak.
-    own = 100.0 * study.lines.set_index("line").loc["on B", "strain_max"]
-    assert "line on B, pier B" in pieces.figures["loops"].caption
-    assert f"{own:.0f} %" in pieces.figures["loops"].alt
+    strains = 100.0 * study.lines.set_index("line")["strain_max"]
+    assert strains.idxmax() == "on A"
+    assert "line on A," in pieces.figures["loops"].caption
+    assert f"{strains['on A']:.0f} %" in pieces.figures["loops"].alt
+    assert "line on B," in pieces.figures["temperature"].caption  # of the report
 
 
 def test_many_rows_become_the_largest_of_all_runs(study: tb.EarthquakeResult) -> None:
-    table = _parts_table(study, "line", most=1)
+    table = _parts_table(study, "line", row_limit=1)
     place = [column.name for column in table.columns].index("rubber_max_degC")
     assert [(row[0], row[place]) for row in table.rows] == [
         (row["line"], row["rubber_max_degC"]) for row in study.lines.to_dict("records")
@@ -130,9 +175,9 @@ def test_a_study_of_runs_counts_the_governing_line(tmp_path: Path) -> None:
     case = {"duration": "4 s", "structure": str(file)}
     study = small_study(case, bearing=["shen-hdr-bridge"], ambient=["-20 degC"], scale=[1.0])
     side = study.design.model_copy(update={"lockstep": True})
-    rows = plan(study)
-    alone = run_shard(study, rows)
-    together = run_shard(study.model_copy(update={"design": side}), rows)
+    rows = Plan(study).runs
+    alone = run_shard(Plan(study), rows)
+    together = run_shard(Plan(study.model_copy(update={"design": side})), rows)
     whole = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", -20, structure=file, duration=4)
     drift = whole.piers["displacement_max_mm"].max() / 1e4
     for table in (alone, together):
@@ -156,9 +201,10 @@ def test_a_pier_beyond_its_limits_ends_as_that(tmp_path: Path) -> None:
     case = {"duration": "4 s", "structure": str(file)}
     study = small_study(case, bearing=["shen-hdr-bridge"], ambient=["-20 degC"], scale=[0.01, 1.0])
     side = study.design.model_copy(update={"lockstep": True})
-    rows = plan(study)
+    rows = Plan(study).runs
     alone, together = (
-        run_shard(study.model_copy(update={"design": one}), rows) for one in (study.design, side)
+        run_shard(Plan(study.model_copy(update={"design": one})), rows)
+        for one in (study.design, side)
     )
     for found in (alone, together):
         assert found["outcome"].tolist() == ["completed", "pier_beyond_limit"]
@@ -340,7 +386,7 @@ def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
         "shen-hdr-bridge", ambient=[-30.0], structure=make_bridge(two_piers()), **MOTION
     )
     (law,) = [text for text in said.warnings if "temperature law" in text]
-    assert "extrapolated in 1 run," in law
+    assert "; in jra-ii-i-1 at -30 degC)" in law  # of one run, not of several
 
 
 def test_bounds_judge_every_line_and_pier() -> None:
@@ -377,7 +423,7 @@ def test_the_largest_of_all_lines_and_piers_is_said(
     shown = capsys.readouterr().out
     assert "largest of all lines and piers" in shown
     title = study.plot.pier().get_suptitle()
-    assert title.replace("\n", " ").endswith("(line on B, pier B), shen-hdr-bridge, jra-ii-i-1")
+    assert title.replace("\n", " ").endswith("(pier B), shen-hdr-bridge, jra-ii-i-1")
 
 
 def test_the_structure_of_the_docs_is_what_they_say(tmp_path: Path) -> None:

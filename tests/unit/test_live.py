@@ -68,3 +68,13 @@ def test_numbers_of_a_bearing_are_those_of_its_file() -> None:
     assert known["values"]["lead.cores"] == bearing.lead.cores  # type: ignore[union-attr]
     assert len(known["stack"]["part"]) == known["constants"]["cells"]["capacity"]["shape"][0]
     assert known["lead_ends"] == "finite-plate"
+
+
+def test_a_page_has_the_rate_branch_that_acts() -> None:
+    plain, half = (
+        tb.changed_bearing("shen-lhdr-bridge", rate_band={"factor": factor}) for factor in (1, 0.5)
+    )
+    assert data._values(half)["rate.damping"] == 0.5 * data._values(plain)["rate.damping"]
+    assert "rate.damping" not in data._values(load_bearing("shen-hdr-bridge"))
+    borrowed = tb.changed_bearing("shen-hdr-bridge", rate_band={"factor": 1.0})
+    assert data._values(borrowed)["rate.damping"] > 0.0

@@ -8,11 +8,12 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 import thermobearing as tb
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.scaling import EXPONENTS, resized
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.library import data_path
@@ -122,10 +123,29 @@ def test_without_kernels_the_command_says_what_to_run(
     assert not file.exists()
 
 
+def test_a_page_opens_inside_the_calibration_range() -> None:
+    ranges = calibration_ranges(tb.load_bearing(page.START))
+    assert ranges is not None
+    low, high = ranges["strain_rate"]
+    assert low < 2.0 * np.pi * page.OPENING["frequency"] * page.OPENING["strain"] < high
+    assert page.OPENING["strain"] < ranges["strain"][1]
+
+
+def test_a_page_links_to_the_documents_where_it_has_their_address() -> None:
+    link = page.assemble(DATA, b"module", ENGINE, "b", "b.toml", documents="../index.html")
+    assert '<a href="../index.html"' in link
+    assert 'data-word="documents"' not in page.assemble(DATA, b"module", ENGINE, "b", "b.toml")
+
+
+def test_help_names_the_bearing_that_a_page_opens_with() -> None:
+    done = CliRunner().invoke(app, ["live", "--help"])
+    assert f"{page.START} by" in " ".join(done.output.split())
+
+
 def test_a_page_replaces_no_file_unless_asked(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(page, "page_html", lambda bearing: "page")
+    monkeypatch.setattr(page, "page_html", lambda *given: "page")
     file = tmp_path / "page.html"
     done = CliRunner().invoke(app, ["live", "shen-hdr-specimen", "-o", str(file), "--json"])
     assert done.exit_code == 0

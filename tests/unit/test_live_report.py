@@ -12,10 +12,10 @@ import pytest
 
 import thermobearing as tb
 from tests.unit.inputs import command
+from thermobearing.border.title import TitleBlock
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.live import report as live
 from thermobearing.report.pieces import Live
-from thermobearing.report.title import TitleBlock
 from thermobearing.reporting import build_pieces, make_report, report_files
 
 HDR, BRIDGE, MOTION = "shen-hdr-specimen", "shen-hdr-bridge", "jra-ii-i-1"

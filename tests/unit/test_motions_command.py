@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +16,9 @@ from tests import tolerances as tol
 from tests.conftest import COARSE
 from tests.unit.inputs import command, content, last_line, summary
 from thermobearing.border.errors import InputError
-from thermobearing.motions.library import load_motion
+from thermobearing.motions.library import load_motion, save_motion
 from thermobearing.motions.record import GroundMotion
-from thermobearing.motions.run import Reference
-from thermobearing.motions.targets import standard_spectrum
+from thermobearing.motions.targets import load_spectrum, standard_spectrum, standard_target
 from thermobearing.results.writing import write_summary
 
 NAMES = {"motion.csv", "spectrum.csv", "summary.json"}
@@ -32,12 +32,13 @@ KEYS |= {"standard_spectrum", "description", "citation", "version", "damping"}
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("made") / "out"
-    done = command("motions", "make", "--type", "II", "--ground", "I", "--seed", 1, "-o", out)
+    done = command("motions", "make", "--kind", "II", "--ground", "I", "--seed", 1, "-o", out)
     assert done.exit_code == 0
     assert "rms over 0.1 to 3 s compared with Level 2 Type II" in " ".join(done.stdout.split())
     return out
 
 
+@pytest.mark.thorough
 def test_make_writes_a_whole_directory(made: Path) -> None:
     assert set(content(made)) == NAMES | FIGURES
     reported = summary(made)
@@ -53,6 +54,37 @@ def test_written_motion_is_read_back(made: Path) -> None:
     again, stored = load_motion(made / "motion.csv"), load_motion("jra-ii-i-1")
     assert again.dt == stored.dt
     assert_allclose(again.acceleration, stored.acceleration, rtol=0.0, atol=tol.REMADE * stored.pga)
+    # Under the name of the directory, which is also that of the result, and with its target.
+    assert again.name == summary(made)["motion"] == made.name
+    assert again.description == summary(made)["description"]
+    assert again.target == standard_target("II", "I")
+
+
+CODE = {"shape": "aashto", "A_s": "0.4 g", "S_DS": "1 g", "S_D1": "0.6 g"}
+LONG_PERIODS = {"shape": "asce-7", "S_DS": "0.5 g", "S_D1": "0.3 g", "T_L": "4 s"}
+
+
+@pytest.mark.parametrize("shape", ["jra-i-ii", CODE, LONG_PERIODS, "table"])
+def test_a_saved_motion_keeps_its_target(shape: str | dict[str, str], tmp_path: Path) -> None:
+    site = tmp_path / "site.csv"
+    site.write_text("period [s],acceleration [g]\n0.05,0.4\n0.3,1.0\n1,0.6\n4,0.1\n")
+    target = load_spectrum(site if shape == "table" else shape, 0.9)
+    motion = replace(load_motion("jra-ii-i-1"), target=target, description="fits (seed 1)")
+    again = load_motion(save_motion(motion, tmp_path / "mine.csv"))
+    assert (again.name, again.description, again.target) == ("mine", "fits (seed 1)", target)
+    compared = story.examine_motion(again)
+    assert compared.reference == target
+    assert compared.misfit == story.misfit(again, target.at)
+
+
+@pytest.mark.parametrize("text", ["{", '{"name": "a", "words": "b"}', '{"start": NaN}', "[1]"])
+def test_a_damaged_target_is_refused_with_its_file(text: str, tmp_path: Path) -> None:
+    file = tmp_path / "mine.csv"
+    file.write_text(f"# target: {text}\nt_s,acc_gal\n0,0\n0.01,300\n0.02,0\n")
+    with pytest.raises(InputError) as raised:
+        load_motion(file)
+    assert str(file) in str(raised.value)
+    assert "# target:" in str(raised.value)
 
 
 def test_spectrum_csv_holds_the_standard_one(made: Path) -> None:
@@ -66,14 +98,15 @@ def test_spectrum_csv_holds_the_standard_one(made: Path) -> None:
     assert np.sqrt(np.mean((ratio[inside] - 1.0) ** 2)) < tol.MISFIT
 
 
+@pytest.mark.thorough
 def test_make_keeps_the_phases_of_a_record(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    words = ["--from", "jra-ii-i-3", "--type", 2, "--ground", 2, "--dt", 0.02]
+    words = ["--record", "jra-ii-i-3", "--kind", 2, "--ground", 2, "--dt", 0.02]
     done = command("motions", "make", *words, "-o", out, "--no-figures", "--json")
     assert done.exit_code == 0
     assert last_line(done)["files"] == sorted(NAMES)
     reported = summary(out)
-    assert (reported["motion"], reported["dt_s"]) == ("jra-ii-i-3-as-ii-ii", 0.02)
+    assert (reported["motion"], reported["dt_s"]) == (out.name, 0.02)
     assert abs(reported["end_velocity_cm_s"]) < tol.QUIET_END
 
 
@@ -89,14 +122,14 @@ def test_poor_fit_is_an_outcome_of_its_own(tmp_path: Path, monkeypatch: pytest.M
 @pytest.mark.parametrize(
     ("words", "piece"),
     [
-        (["--type", "III"], 'type of earthquake: "III" is not one of I, II'),
+        (["--kind", "III"], 'type of earthquake: "III" is not one of I, II'),
         (["--ground", "IV"], 'ground: "IV"'),
         (["--seed", -1], "seed: -1"),
         (["--dt", 1], "dt: 1 s is outside"),
         (["--zone-factor", 9], "--zone-factor: 9"),
-        (["--from", "jra-ii-i-1", "--seed", 2], "give --seed or --from, not both"),
+        (["--record", "jra-ii-i-1", "--seed", 2], "give --seed or --record, not both"),
         (["--unit", "gal"], "require a record"),
-        (["--from", "jra-ii-i-9"], 'no motion is named "jra-ii-i-9"'),
+        (["--record", "jra-ii-i-9"], 'no motion is named "jra-ii-i-9"'),
     ],
 )
 def test_bad_options_of_make(words: list[object], piece: str, tmp_path: Path) -> None:
@@ -118,7 +151,7 @@ def test_show_prints_and_writes_only_if_asked(
     assert last_line(done)["standard_spectrum"] is None
     assert [item.name for item in tmp_path.iterdir()] == ["tilted.csv"]
     out = tmp_path / "out"
-    done = command("motions", "show", path, "--baseline", "--type", "I", "-o", out, "-q")
+    done = command("motions", "show", path, "--baseline", "--kind", "I", "-o", out, "-q")
     assert (done.exit_code, done.stdout) == (0, "")
     assert set(content(out)) == NAMES | FIGURES
     assert abs(summary(out)["end_displacement_cm"]) < tol.QUIET_END
@@ -129,11 +162,11 @@ TILTED = GroundMotion("tilted", 0.01, np.sin(np.arange(2000) * 0.05) + 0.01)
 
 def test_a_built_in_motion_is_compared_with_what_it_was_made_for() -> None:
     examined = story.examine_motion(load_motion("jra-i-iii-2"))
-    assert examined.reference == Reference("I", "III", 1.0)
+    assert examined.reference == load_spectrum("jra-i-iii")
     assert examined.misfit is not None
     assert 0.0 < examined.misfit < 0.03
     asked = story.examine_motion(load_motion("jra-i-iii-2"), ground="II")
-    assert asked.reference == Reference("II", "II", 1.0)
+    assert asked.reference == load_spectrum("jra-ii-ii")
     assert story.examine_motion(TILTED).reference is None
 
 

@@ -23,7 +23,7 @@ from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.run import build_device
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.parameters import parameter_set
-from thermobearing.identify.fit.synthetic import blind_start, synthetic_record
+from thermobearing.identify.fit.synthetic import generic_start, synthetic_record
 from thermobearing.model.earlier import models_that_fit
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import EndFace
@@ -43,17 +43,17 @@ def _factors(bearing: Any) -> Any:
 # What every public function makes of a bearing.
 TAKERS: dict[str, Callable[[Any], Any]] = {
     "run": lambda b: tb.run(b, SHORT).dataset["force"].values,
-    "bridge": lambda b: tb.bridge(b, "jra-ii-i-1", 0, duration=1)["bearing_force"].values,
-    "hybrid": lambda b: tb.hybrid(b, "jra-ii-i-1", 0, duration=1)["bearing_force"].values,
+    "bridge": lambda b: tb.bridge(b, "jra-ii-i-1", 0, duration=0.2)["bearing_force"].values,
+    "hybrid": lambda b: tb.hybrid(b, "jra-ii-i-1", 0, duration=0.2)["bearing_force"].values,
     "BearingElement": lambda b: tb.BearingElement(b, 23.0).set_trial(5.0, 0.1, 23.0).force,
     "bilinear_parameters": lambda b: [getattr(bilinear_parameters(b), n) for n in PARAMETERS],
     "isothermal_cycle": lambda b: isothermal_cycle(b, 1.0).energy_kN_mm,
-    "bounds_study": lambda b: tb.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=1),
+    "bounds_study": lambda b: tb.bounds_study(b, "jra-ii-i-1", [0.0, 23.0], duration=0.2),
     "check_test": lambda b: tb.check_test(RECORD, b).outcome,
     "equal_bearing": lambda b: tb.equal_bearing(b, 2.0, 150.0).stiffness,
-    "forgotten": lambda b: blind_start(b).model_dump_json(),
+    "forgotten": lambda b: generic_start(b).model_dump_json(),
     "identify_bearing": lambda b: list(
-        tb.identify_bearing(RECORD, b, free=["K_r"], starts=1, blind=False).values.values()
+        tb.identify_bearing(RECORD, b, free=["K_r"], starts=1, start_from="bearing").values.values()
     ),
     "parameter_set": lambda b: parameter_set(b, ["K_r"], [23.0]).start,
     "scale_study": lambda b: scale_study(b, factors=[0.5], dt=0.05)[0],
@@ -64,7 +64,17 @@ TAKERS: dict[str, Callable[[Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
+# Several runs each; a bearing is read in one place for all.
+LONG = ("bounds_study", "equal_bearing", "identify_bearing", "temperature_factors, several")
+
+
+@pytest.mark.parametrize(
+    "take",
+    [
+        pytest.param(take, id=name, marks=pytest.mark.thorough if name in LONG else ())
+        for name, take in TAKERS.items()
+    ],
+)
 def test_a_bearing_by_name_file_and_record(take: Callable[[Any], Any], tmp_path: Path) -> None:
     bearing = tb.load_bearing(HDR)
     path = write_toml(tmp_path / "mine.toml", to_table(bearing))
@@ -129,24 +139,27 @@ FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each c
 
 
 @pytest.mark.parametrize(
-    ("bearing", "given"),
+    ("bearing", "model", "given"),
     [
-        (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}),
-        (HDR, {"hardening": "monotone"}),
-        (HDR, {"stack": "full", "initial": FULL_PROFILE, "heat_source": "dissipation"}),
-        ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}),
-        ("shen-lhdr-specimen", {"initial_lead": 60.0, "lead_ends": "finite-plate"}),
-        ("shen-lhdr-specimen", {"lead_ends": "half-space", "clock": "lead"}),
+        (HDR, {"scheme": "published", "integrator": "euler", "upper_face": EndFace(film=5.0)}, {}),
+        (HDR, {"hardening": "monotone"}, {}),
+        (HDR, {"stack": "full", "heat_source": "dissipation"}, {"initial": FULL_PROFILE}),
+        ("shen-lhdr-specimen", {"model": "single-temperature", "lower_face": EndFace(eta=1.0)}, {}),
+        ("shen-lhdr-specimen", {"lead_ends": "finite-plate"}, {"initial_lead": 60.0}),
+        ("shen-lhdr-specimen", {"lead_ends": "half-space", "clock": "lead"}, {}),
     ],
     ids=["published", "monotone", "full height", "one temperature", "lead", "clock"],
 )
-def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) -> None:
+def test_element_with_options_is_the_run(
+    bearing: str, model: dict[str, Any], given: dict[str, Any]
+) -> None:
     lead = (
         {"initial": tb.InitialState(lead=given["initial_lead"])} if "initial_lead" in given else {}
     )
     options = {name: value for name, value in given.items() if name != "initial_lead"}
-    result = tb.run(bearing, SHORT, ambient=0.0, **options, **lead)
-    element = tb.BearingElement(bearing, ambient=0.0, **given)
+    chosen = tb.ModelOptions(**model)
+    result = tb.run(bearing, SHORT, ambient=0.0, model=chosen, **options, **lead)
+    element = tb.BearingElement(bearing, ambient=0.0, model=chosen, **given)
     x, clock = result["displacement"].values[0], result["time"].values
     forces = [0.0]
     for k in range(1, len(x)):
@@ -168,7 +181,10 @@ def test_element_with_options_is_the_run(bearing: str, given: dict[str, Any]) ->
         (lambda: tb.BearingElement(HDR, initial=500.0), ["initial", "-100 to 100 degC"]),
         (lambda: tb.BearingElement(HDR, initial="cold"), ["initial = 'cold'"]),
         (lambda: tb.BearingElement(HDR, initial_lead=5.0), ["initial_lead", "with lead"]),
-        (lambda: tb.BearingElement(HDR, scheme="publishd"), ["scheme", '"published"?']),
+        (
+            lambda: tb.BearingElement(HDR, model=tb.ModelOptions(scheme="publishd")),
+            ["scheme", '"published"?'],
+        ),
         (lambda: tb.BearingElement(HDR, model="lead-alone"), ["model", "with lead"]),
         (lambda: tb.BearingElement(HDR, model="bilinear"), ['"bilinear"', "bilinear constants"]),
         (lambda: tb.BearingElement("shen-hdr"), ["bearing", "did you mean"]),
@@ -186,7 +202,7 @@ def test_resolved_study_says_every_option_and_reads_back() -> None:
     table = tomllib.loads(study.to_toml())
     assert table["analysis"]["model"] == "adiabatic"
     unset = {"hardening", "small_loops", "heat_source", "lead_ends", "clock"}  # of bearings
-    unset |= {"side", "exposure"}
+    unset |= {"side", "exposure", "state"}
     assert set(ModelOptions.model_fields) - set(table["analysis"]) == unset
     assert make_earthquake_case(table, "again").model_dump() == study.model_dump()
 
@@ -210,7 +226,9 @@ def test_earlier_models_go_with_the_published_scheme() -> None:
     test = tb.cyclic_test(strain=[1.75], cycles=2, wave="sine")
     for model in models_that_fit(tb.load_bearing("shen-lhdr-specimen")):
         pair = [
-            tb.run("shen-lhdr-specimen", test, 0.0, model=model, scheme=scheme)
+            tb.run(
+                "shen-lhdr-specimen", test, 0.0, model=tb.ModelOptions(model=model, scheme=scheme)
+            )
             for scheme in ("conservative", "published")
         ]
         assert [one.outcome for one in pair] == ["completed"] * 2, model

@@ -9,13 +9,14 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from thermobearing.design.case import make_design_case
 from thermobearing.design.peaks import (
+    OTHERS,
     _combined,
     coldest_sentences,
     collect_peaks,
     envelope,
     few_motions,
 )
-from thermobearing.design.run import _at_every_air, _one_turn, run_bounds
+from thermobearing.design.run import _one_turn, _peaks_by_temperature, run_bounds
 from thermobearing.design.sizing import Check
 from thermobearing.earthquake.motions import Motion
 
@@ -37,7 +38,9 @@ def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
     assert _combined([2.0, 4.0], two, "mean") == 4.0
     assert few_motions(motions, "largest") == []
     (said,) = few_motions(motions, "mean")
-    assert said.endswith(": jra-i-i has 1")
+    assert said.endswith(" jra-i-i has 1")
+    (said,) = few_motions(mine[1:], "mean")
+    assert said.endswith(f" {OTHERS} has 2")
 
 
 def test_a_round_finds_the_mean_where_the_case_says_so() -> None:
@@ -73,7 +76,7 @@ def test_bearings_are_judged_at_every_temperature() -> None:
 def test_nothing_to_judge_without_bearings_or_temperatures() -> None:
     case = make_design_case({}, "test", ambient=[])
     turn = _one_turn(make_design_case({}, "test", motions=["jra-ii-i-1"]), 1, [178.0])
-    assert len(_at_every_air(case, turn.rounds, [[object()]], [])) == 0  # type: ignore[list-item]
+    assert len(_peaks_by_temperature(case, turn.rounds, [[object()]], [])) == 0  # type: ignore[list-item]
     with pytest.raises(tb.InputError, match="more than once"):
         make_design_case({}, "test", ambient=[0, 0])
 

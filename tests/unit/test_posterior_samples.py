@@ -87,6 +87,7 @@ def test_samples_that_are_none(text: str, said: str, tmp_path: Path) -> None:
         posterior_bearings(NAME, tmp_path / "posterior.csv", 0)
 
 
+@pytest.mark.thorough
 def test_a_band_from_the_command(tmp_path: Path) -> None:
     file = written(tmp_path, "K_r,m_T\n30,-0.5\n30,-1.5\n")
     out = tmp_path / "out"

@@ -20,7 +20,8 @@ from thermobearing.identify.fit.parameters import (
 )
 from thermobearing.identify.records.cycles import largest_measures
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.covariance import Evidence, _estimate, chosen_groups
+from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
+from thermobearing.identify.uncertainty.groups import chosen_groups
 from thermobearing.identify.uncertainty.posterior import (
     OUTSIDE,
     drawn_bearing,
@@ -30,7 +31,7 @@ from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.results.ranges import compare_with_tests, extrapolation, widened
 
 HDR = tb.load_bearing("shen-hdr-specimen")
-TEST = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=None)
+TEST = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=2, rest=None, dt=0.02)
 OFF = {M_T: -1.4 * 0.2, N_T: -1.7 * 0.3}  # of the file, 1.4 and 1.7 of the assumed uncertainties
 TRUTH = with_values(HDR, {key: (dotted_value(HDR, key) or 0.0) + off for key, off in OFF.items()})
 
@@ -55,7 +56,7 @@ def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification
         assert sum(item.shares.values()) == pytest.approx(1.0, abs=0.01)
         assert max(item.shares, key=lambda name: item.shares[name]) in ("n_T", "m_T")
     at_23 = {item.quantity: item for item in warm.predicted}
-    assert at_23["K_eq"].upper / at_23["K_eq"].lower < 1.05  # which the test measured
+    assert at_23["K_eq"].upper / at_23["K_eq"].lower < 1.06  # which the test measured
 
 
 def test_samples_hold_every_number_that_is_held(
@@ -80,7 +81,7 @@ def test_factors_of_the_samples_contain_the_truth(
 ) -> None:
     """The factor of K_eq at -20 degC, whose band of 90 % was 1.91 to 1.93 without m_T and n_T."""
     folder = warm_only.save(tmp_path / "fit", figures=False)
-    bearings = posterior_bearings(folder / "bearing.toml", folder / "posterior.csv", 40)
+    bearings = posterior_bearings(folder / "bearing.toml", folder / "posterior.csv", 20)
     options = {"reference_temperature": 23.0, "temperatures": [-20.0], "strains": [1.75]}
     rows, truth = (
         table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20").iloc[0]
@@ -131,11 +132,19 @@ def soaked(offset: float) -> list[TestRecord]:
     return records
 
 
+@pytest.fixture(scope="module")
+def two_temperatures() -> tb.Identification:
+    """Tests at -20 and 23 degC of a specimen that is as warm as its chamber."""
+    return tb.identify_bearing(soaked(0.0), HDR, starts=1)
+
+
 def keys_of_suspects(identification: tb.Identification) -> list[str]:
     return [item["key"] for item in identification.summary()["suspects"]]
 
 
-def test_a_specimen_that_was_not_soaked_is_the_first_suspect() -> None:
+def test_a_specimen_that_was_not_soaked_is_the_first_suspect(
+    two_temperatures: tb.Identification,
+) -> None:
     """In 0.3.0: "the tests require a larger scale of the force than assumed, by 201 times"."""
     identification = tb.identify_bearing(soaked(20.0), HDR, starts=1)
     first = identification.summary()["suspects"][0]
@@ -150,7 +159,7 @@ def test_a_specimen_that_was_not_soaked_is_the_first_suspect() -> None:
         "ambient"
     )
     assert "load cell" not in " ".join(identification.warnings)
-    assert keys_of_suspects(tb.identify_bearing(soaked(0.0), HDR, starts=1)) == []
+    assert keys_of_suspects(two_temperatures) == []
 
 
 def test_a_coefficient_of_one_temperature_is_a_suspect(warm_only: tb.Identification) -> None:
@@ -195,7 +204,7 @@ def test_a_prediction_at_another_strain_contains_the_bound(at_bound: tb.Identifi
     large = tb.synthetic_record(HDR, 23.0, test, noise=0.0)
     model, values = ForwardModel(large, at_bound.bearing), []
     samples = forecast(at_bound).samples
-    for cube, held in zip(samples.cube, samples.held, strict=True):
+    for cube, held in zip(samples.cube[::4], samples.held[::4], strict=True):
         bearing = drawn_bearing(at_bound, cube, held)
         run = model.rebuilt(bearing).run(bearing)
         assert run is not None
@@ -247,9 +256,9 @@ def test_a_band_with_another_error() -> None:
     assert widened(11.0, 12.0, 10.0, 0.0, 0.975) == (11.0, 12.0)
 
 
-def test_bands_outside_the_tests_are_wider() -> None:
-    identification = tb.identify_bearing(soaked(0.0), HDR, starts=1)
-    ahead = forecast(identification, [-20.0, -40.0])
+@pytest.mark.thorough
+def test_bands_outside_the_tests_are_wider(two_temperatures: tb.Identification) -> None:
+    ahead = forecast(two_temperatures, [-20.0, -40.0], narrow=False)
     inside, outside = ahead.bands
     assert (inside.beyond_tested, outside.beyond_tested) == ("", "ambient")
     for near, far in zip(inside.predicted, outside.predicted, strict=True):
@@ -275,11 +284,12 @@ def test_factors_outside_the_tests_have_wider_bands() -> None:
         assert half.to_numpy() == pytest.approx(np.full(len(rows), more), abs=1e-6)
 
 
-def test_coefficients_that_are_held_are_reported(warm_only: tb.Identification) -> None:
+def test_coefficients_that_are_held_are_reported(
+    warm_only: tb.Identification, two_temperatures: tb.Identification
+) -> None:
     (text,) = (text for text in warm_only.warnings if "m_T = " in text and "held" in text)
     assert all(word in text for word in ("-0.914", "0.2", "-2.189", "0.3", "23 degC"))
-    two = tb.identify_bearing(soaked(0.0), HDR, starts=1)
-    assert not any("held" in text for text in two.warnings)
+    assert not any("held" in text for text in two_temperatures.warnings)
     lead = tb.load_bearing("lrb-example")  # linear rubber: one coefficient
     test = tb.cyclic_test(strain=[1.0], cycles=2, wave="sine", rest=None)
     (record,) = (tb.synthetic_record(lead, 10.0, test, sampling=20.0),)
@@ -287,14 +297,20 @@ def test_coefficients_that_are_held_are_reported(warm_only: tb.Identification) -
     assert "n_T" not in text
 
 
-def test_a_planned_test_narrows_as_the_test_itself_does(warm_only: tb.Identification) -> None:
-    """Half widths of K_eq at -20 degC: with the test that is planned, and with it made."""
+def test_a_planned_test_narrows(warm_only: tb.Identification) -> None:
     assert warm_only.forecast is not None
     wide = warm_only.forecast.bands[0].main.half_width
     (planned,) = warm_only.forecast.narrowing  # ambient temperatures do not matter yet
     assert "-20 degC" in planned.what
     assert wide > 0.15
     assert planned.half_width < 0.2 * wide
+
+
+@pytest.mark.thorough
+def test_a_planned_test_narrows_as_the_test_itself_does(warm_only: tb.Identification) -> None:
+    """Half widths of K_eq at -20 degC: with the test that is planned, and with it made."""
+    assert warm_only.forecast is not None
+    (planned,) = warm_only.forecast.narrowing
     cold = tb.synthetic_record(TRUTH, -20.0, TEST, noise=0.01, seed=3)
     identification = tb.identify_bearing([*warm_only.records, cold], HDR, starts=1)
     band = forecast(identification, [-20.0])

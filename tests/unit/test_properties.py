@@ -126,6 +126,10 @@ OPTIONS = st.fixed_dictionaries(
     {
         "ambient": between(-60.0, 60.0),
         "initial": between(-60.0, 60.0),
+    }
+)
+MODEL_OPTIONS = st.fixed_dictionaries(
+    {
         "heat_source": st.sampled_from(["work", "dissipation"]),
         "scheme": st.sampled_from(["conservative", "conservative", "published"]),
         "integrator": st.sampled_from(["exact", "exact", "exact", "euler"]),
@@ -138,6 +142,7 @@ OPTIONS = st.fixed_dictionaries(
     bearing=bearings(),
     test=motions(),
     options=OPTIONS,
+    choices=MODEL_OPTIONS,
     faces=st.one_of(FACES.map(lambda face: (face, face)), st.tuples(FACES, FACES)),
     full=st.booleans(),
 )
@@ -145,24 +150,26 @@ def test_any_run_ends_well_or_says_why(
     bearing: Bearing,
     test: tb.CyclicTest,
     options: dict[str, Any],
+    choices: dict[str, Any],
     faces: tuple[tb.EndFace, tb.EndFace],
     full: bool,
 ) -> None:
     upper, lower = faces
     keep = ["rubber", "layer_displacement", "hysteretic", "cells"]
-    options = options | {"keep": keep, "stack": "full" if full else "auto"}
-    result = tb.run(bearing, test, upper_face=upper, lower_face=lower, **options)
+    choices = choices | {"stack": "full" if full else "auto"}
+    model = tb.ModelOptions(upper_face=upper, lower_face=lower, **choices)
+    result = tb.run(bearing, test, model=model, keep=keep, **options)
     data = result.dataset
     assert ("half_stack", int(upper == lower and not full)) in data.attrs.items()
     # Rows are kept up to the last good step, so they are finite however the run ended.
     for name in ("displacement", "force", "rubber_temperature", "temperature", "work_in"):
         assert np.isfinite(data[name].values).all(), name
     assert result.outcome in SENTENCES
-    if options["integrator"] == "exact":
+    if choices["integrator"] == "exact":
         assert result.outcome == "completed"
     mechanical, thermal, allowed = residuals(result)
     assert abs(mechanical) <= allowed
-    if options["scheme"] == "conservative":
+    if choices["scheme"] == "conservative":
         assert abs(thermal) <= allowed
     if result.outcome == "completed":
         assert int(data["steps"][0]) == data.sizes["time"] - 1
@@ -175,7 +182,7 @@ def test_glass_for_rubber_runs_away_and_says_so() -> None:
     table["geometry"]["plan"] = {"shape": "circular", "diameter": 10.0}
     bearing = validated(Bearing, table, "glass", from_file=False)
     test = tb.cyclic_test(strain=[3.0], cycles=2, dt=0.01)
-    result = tb.run(bearing, test, ambient=-20, heat_source="dissipation")
+    result = tb.run(bearing, test, ambient=-20, model=tb.ModelOptions(heat_source="dissipation"))
     assert result.outcome == "temperature_runaway"
     assert np.isfinite(result["force"].values).all()
     assert np.isfinite(result["temperature"].values).all()

@@ -16,6 +16,7 @@ import thermobearing.validate.run  # before a test replaces what it imports
 from tests import tolerances as tol
 from tests.unit.inputs import command, write_test
 from thermobearing.core.records import Floats
+from thermobearing.identify import quofem
 from thermobearing.identify.quofem import write_quofem
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -96,7 +97,7 @@ def test_residuals_are_those_of_identify(
 def test_what_is_held_moves_the_responses(
     found: tb.Identification, folder: Path, tmp_path: Path
 ) -> None:
-    """The chamber 1.5 of its uncertainties (0.5 K) warmer, and more thickness by one of 2 %."""
+    """The chamber 1.5 of its uncertainties (0.6 K) warmer, and more thickness by one of 2 %."""
     from thermobearing.identify.quofem import write_responses
 
     measured = numbers((folder / "measured.csv").read_text())
@@ -109,7 +110,7 @@ def test_what_is_held_moves_the_responses(
     bearing = found.pset.bearing(np.array(places))
     thick = bearing.geometry.rubber_thickness * np.exp(0.02)
     geometry = bearing.geometry.model_copy(update={"rubber_thickness": thick})
-    records = [replace(r, ambient=r.ambient + 0.75 * (r.ambient == 23.0)) for r in found.records]
+    records = [replace(r, ambient=r.ambient + 0.9 * (r.ambient == 23.0)) for r in found.records]
     parts = found.problem.split_parts(bearing.model_copy(update={"geometry": geometry}), records)
     assert parts is not None
     results = numbers((work / "results.out").read_text())
@@ -189,3 +190,19 @@ def test_the_command_writes_the_folder(
         assert done.exit_code == 0, done.output
         assert (out / "quofem" / "bayesian.json").is_file()
     assert "quofem" in done.output
+
+
+def test_files_of_one_name_do_not_overwrite_each_other(
+    found: tb.Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Laws of two folders, and one that is named as the driver."""
+    files = [tmp_path / name for name in ("a/law.py", "b/law.py", "c/Law.py", "c/model.py")]
+    for file in files:
+        file.parent.mkdir(exist_ok=True)
+        file.write_text(f"# {file.parent.name}/{file.name}")
+    monkeypatch.setattr(quofem, "loaded_files", lambda: list(map(str, files)))
+    folder = write_quofem(found, tmp_path / "quofem")
+    copies = json.loads((folder / "calibration.json").read_text())["laws"]
+    texts = [(folder / name).read_text() for name in copies]
+    assert texts == [file.read_text() for file in files]
+    assert len({name.casefold() for name in [*copies, "model.py", "params.py"]}) == 6

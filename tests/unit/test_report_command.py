@@ -16,7 +16,7 @@ import thermobearing.reporting as files
 from tests.unit.inputs import assert_refused, command, content, cyclic, last_line, quick_case
 from tests.unit.report_pieces import EVIL, LOGO, saved_directory
 from tests.unit.test_killed_and_together import killed
-from thermobearing.report.title import read_title
+from thermobearing.border.title import read_title
 from thermobearing.results.directory import check_target
 from thermobearing.results.saved import SavedResult
 
@@ -41,6 +41,10 @@ def earlier(reported: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(reported, tmp_path / "out"))
 
 
+def test_overwrite_is_accepted(earlier: Path) -> None:
+    assert command("report", earlier, "--overwrite", "-q", "--no-pdf").exit_code == 0
+
+
 def test_a_document_of_a_directory(saved: Path) -> None:
     done = command("report", saved, "--xlsx", "--title", f"project={EVIL}", "--json")
     assert done.exit_code == 0
@@ -58,10 +62,13 @@ def test_a_document_of_a_directory(saved: Path) -> None:
 def test_the_title_block_is_kept_and_said_again(earlier: Path, tmp_path: Path) -> None:
     (tmp_path / "logo.svg").write_bytes(LOGO)
     words = ["--title", f"logo={tmp_path / 'logo.svg'}", "--title", "revision=B"]
+    words += ["--title", "checked=K. Sato"]
     assert command("report", earlier, "-q", "--no-pdf", *words).exit_code == 0
     (tmp_path / "logo.svg").unlink()  # a copy is next to the document
     kept = tomllib.loads((earlier / "report.toml").read_text())["report"]
-    assert kept == {"project": "First", "revision": "B", "logo": "report-logo"}
+    assert kept == {
+        "project": "First", "checked": "K. Sato", "revision": "B", "logo": "report-logo",
+    }  # fmt: skip
     first = (earlier / "report.html").read_bytes()
     assert command("report", earlier, "-q", "--no-pdf").exit_code == 0
     assert (earlier / "report.html").read_bytes() == first
@@ -103,7 +110,7 @@ def test_what_is_wrong_is_reported_and_nothing_is_touched(
     [
         (shutil.rmtree, "is not a directory"),
         (lambda folder: (folder / "summary.json").unlink(), "no result.nc"),
-        (lambda folder: (folder / "summary.json").write_text("{"), "cannot be read"),
+        (lambda folder: (folder / "summary.json").write_text("{"), "is not valid JSON"),
         (lambda folder: (folder / "summary.json").write_text("[1]"), "has no command"),
         (lambda folder: (folder / "table.csv").write_bytes(b'"\x00\xff'), "table.csv"),
         (lambda folder: (folder / "result.nc").write_bytes(b"no"), "is not a result file"),
@@ -226,6 +233,7 @@ def test_a_run_with_a_report(run: Path) -> None:
     assert tb.load_result(run / "out").outcome == "completed"
 
 
+@pytest.mark.thorough
 def test_a_document_made_later_has_the_same_bytes(run: Path, tmp_path: Path) -> None:
     """From the directory or its result.nc, by the command or in Python, nothing being run."""
     before = content(run / "out")
@@ -269,7 +277,8 @@ def test_a_wrong_title_block_is_reported_before_the_run(
 
 
 @pytest.mark.parametrize(
-    ("module", "option"), [("typst", "--report"), ("openpyxl", "--xlsx")], ids=["pdf", "workbook"]
+    ("module", "option"),
+    [("typst", "--report"), ("jinja2", "--report"), ("openpyxl", "--xlsx"), ("jinja2", "--xlsx")],
 )
 def test_what_is_not_installed_is_reported_before_the_run(
     module: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

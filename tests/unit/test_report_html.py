@@ -10,6 +10,7 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from tests import tolerances as tol
 from tests.browser.document import HOSTILE, document
@@ -18,6 +19,7 @@ from thermobearing.border.library import data_path
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report import figures
+from thermobearing.report.content import summarize_checks
 from thermobearing.report.html import MOST_ROWS, html_page
 from thermobearing.report.pieces import (
     Block,
@@ -36,6 +38,7 @@ from thermobearing.report.pieces import (
     checks_table,
 )
 from thermobearing.report.template import _arranged
+from thermobearing.results import drawing
 
 pytestmark = pytest.mark.drawn
 
@@ -106,7 +109,8 @@ def test_what_users_wrote_is_no_part_of_the_page(page):
 def test_nothing_is_asked_of_a_network_and_no_other_script_runs(page):
     parts = Parts(page)
     policy = next(a["content"] for _, a in parts.tags if a.get("http-equiv"))
-    assert "default-src 'none'" in policy
+    for part in ("default-src 'none'", "base-uri 'none'", "form-action 'none'"):
+        assert part in policy.split("; ")
     running = [s for s, (_, a) in zip(parts.scripts, _scripts(parts), strict=True) if not a]
     hashes = [base64.b64encode(hashlib.sha256(s.encode()).digest()).decode() for s in running]
     assert re.findall(r"'sha256-(.+?)'", policy) == hashes
@@ -334,6 +338,51 @@ def test_boxes_say_what_they_are():
     assert "⚠ Warning</p>\n<p>c</p>" in text
 
 
+def test_drawn_panels_become_a_plot() -> None:
+    figure = Figure()
+    left, right = figure.subplots(1, 2)
+    x = np.linspace(0.0, 2.0, 5)
+    left.plot(x, x**2, color="#cc3311", label="model")
+    left.plot(x, x, "--", color="#0077bb")
+    left.plot([1.0], [1.0], "o", color="#0077bb")
+    left.axhline(0.0)  # across the panel: no data
+    left.axvspan(1.5, 3.0, color=drawing.UNTESTED)
+    left.axvspan(4.0, 5.0, color=drawing.UNTESTED)  # beyond the lines
+    left.set(xlabel="x [mm]", ylabel="force [kN]")
+    right.plot(x, x, color="#0077bb")
+    right.set(xlabel="time [s]")  # the label of the first panel in its row holds for it
+    entries = [("#0077bb", "-", "test"), (drawing.GREY, "--", "slow")]
+    legend = [Line2D([], [], color=c, linestyle=line, label=name) for c, line, name in entries]
+    empty = figures.blank_panel()
+    plot = figures.plot_from_axes({"a": left, "b": right, "c": empty}, legend)
+    looks = {
+        name: [(t.name, t.colour, t.look) for t in plot.choices[name]] for name in plot.choices
+    }
+    blue = "#0077bb"
+    assert looks == {
+        "a": [
+            ("model", "#cc3311", "line"),
+            ("test, slow", blue, "dashed"),
+            ("test", blue, "points"),
+        ],
+        "b": [("test", blue, "line")],
+    }
+    assert plot.choices["a"][0].y.tolist() == (x**2).tolist()
+    assert [band[:2] for band in plot.bands] == [(1.5, 3.0)]
+    assert plot.axis_titles("a") == ("x [mm]", "force [kN]")
+    assert plot.axis_titles("b") == ("time [s]", "force [kN]")
+    figure.legend(handles=legend)  # entries of the figure count as well
+    names = [t.name for t in figures.plot_from_axes({"a": left}).choices["a"]]
+    assert names == ["model", "test, slow", "test"]
+
+
+def test_a_block_draws_every_point() -> None:
+    x = np.linspace(0.0, 1.0, 5000)
+    with drawing.every_point():
+        assert len(drawing.thin(x, 10)) == len(drawing.thin_loops(x, x, 1.0, 1.0)) == 5000
+    assert len(drawing.thin(x, 10)) < 100
+
+
 @pytest.mark.parametrize("count", [1, 3, 9])
 def test_a_plot_is_drawn_for_paper(count):
     x = np.linspace(0.0, 1.0, 50)
@@ -409,7 +458,8 @@ def test_warnings_are_marked_and_checks_come_whole(tmp_path):
     blocks = arranged_blocks("{{ warnings }}\n{{ checks }}", tmp_path)
     assert blocks == [
         Bullets(["it melts"], "warning"),
-        TableBlock("checks", checks_table(PIECES.checks)),
+        Paragraph(summarize_checks(PIECES.checks)),
+        TableBlock("checks", checks_table(PIECES.checks, "Engineering limits")),
     ]
 
 
@@ -460,7 +510,7 @@ def test_checks_are_listed_by_severity(tmp_path):
     verdicts = ["within", "not assessed", "exceeded", "within", "exceeded"]
     checks = [Check(str(k), 1.0, 2.0, "kN", "-", verdict) for k, verdict in enumerate(verdicts)]
     blocks = arranged_blocks("{{ checks }}\n", tmp_path, replace(PIECES, checks=checks))
-    assert [row[0] for row in blocks[0].table.rows] == ["2", "4", "1", "0", "3"]
+    assert [row[0] for row in blocks[1].table.rows] == ["2", "4", "1", "0", "3"]
     document = _arranged(replace(PIECES, checks=checks))
     (first,) = [b for b in document if isinstance(b, TableBlock) and b.name == "exceeded"]
     assert [row[0] for row in first.table.rows] == ["2", "4"]
@@ -468,9 +518,34 @@ def test_checks_are_listed_by_severity(tmp_path):
     assert actions.kind == ""
 
 
+def test_limits_that_are_not_entered_are_one_sentence(tmp_path):
+    """Of two bearings: the larger value of each limit; the first sentence counts both."""
+    checks = [
+        Check("kept, P1", 1.0, 2.0, "kN", "-", "within"),
+        Check("stress, P1", 3.0, np.nan, "MPa", "-", "not assessed", limited="stress"),
+        Check("stress, A1", -5.5, np.nan, "MPa", "-", "not assessed", limited="stress"),
+        Check("uplift, P1", 8.0, np.nan, "kN", "-", "not assessed", limited="uplift"),
+        Check("needs, P1", np.nan, 2.0, "kN", "needs a load", "not assessed"),
+        Check("broken, P1", 3.0, 2.0, "kN", "-", "exceeded"),
+        Check("strain", 3.0, 2.0, "", "calibration range", "exceeded", of_tests=True),
+    ]
+    first, table, last = arranged_blocks("{{ checks }}", tmp_path, replace(PIECES, checks=checks))
+    assert [int(n) for n in re.findall(r"\d+", first.text)] == [1, 1, 2, 3, 1, 1]
+    assert [row[0] for row in table.table.rows] == ["broken, P1", "needs, P1", "kept, P1"]
+    assert re.findall(r"[-−.\d]+ \w+", last.text) == ["2 limits", "−5.5 MPa", "8 kN"]
+    (alone,) = arranged_blocks("{{ checks }}", tmp_path, replace(PIECES, checks=checks[:1]))[1:]
+    assert isinstance(alone, TableBlock)
+
+
 @pytest.mark.parametrize(
     ("value", "limit", "shown"),
-    [(19.8585, 30.0, (19.9, "≤ 30")), (250.4, 250.0, (250.4, "≤ 250")), (3, np.nan, (3, "none"))],
+    [
+        (19.8585, 30.0, (19.9, "≤ 30")),
+        (250.4, 250.0, (250.4, "≤ 250")),
+        (3, np.nan, (3, "none")),
+        (1765.4, 11722.1, (1765.0, "≤ 11722")),
+        (-1765.4, 250.0, (-1765.0, "≤ 250")),
+    ],
 )
 def test_checks_have_three_digits_and_more_where_they_decide(value, limit, shown):
     (row,) = checks_table([Check("x", value, limit, "kN", "-", "exceeded")]).rows

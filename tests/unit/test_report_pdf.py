@@ -12,13 +12,15 @@ import openpyxl
 import pikepdf
 import pypdfium2
 import pytest
+from matplotlib.figure import Figure
 
 from tests.unit.report_pieces import EVIL, LOGO, PIECES, line, many_columns, wide
 from thermobearing.border.errors import InputError
+from thermobearing.border.title import TitleBlock
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report import workbook
-from thermobearing.report.figures import _svg_bytes, picture_size
+from thermobearing.report.figures import _svg_bytes, drawn, picture_size
 from thermobearing.report.pdf import (
     SEAM,
     TURNED,
@@ -26,9 +28,16 @@ from thermobearing.report.pdf import (
     _document_date,
     _fitted,
     _laid_out,
+    _turned_together,
     pdf_bytes,
 )
-from thermobearing.report.pieces import Pieces, ReportFigure, column_letters
+from thermobearing.report.pieces import (
+    FigureBlock,
+    Pieces,
+    ReportFigure,
+    Signatures,
+    column_letters,
+)
 from thermobearing.report.template import document
 from thermobearing.report.workbook import History, _history_tables, _sheet_name, workbook_bytes
 
@@ -176,6 +185,13 @@ def test_wide_figures_stand_on_turned_pages_with_their_headings() -> None:
     }
 
 
+def test_a_figure_without_data_is_left_out() -> None:
+    figures = {"empty": ReportFigure("Empty", Figure), "wide": ReportFigure("Wide", wide)}
+    blocks = drawn(document(dataclasses.replace(PIECES, figures=figures), {})).blocks
+    (block,) = [block for block in blocks if isinstance(block, FigureBlock)]
+    assert block.figure.caption == "Wide"
+
+
 def test_headings_skip_no_level(tmp_path: Path) -> None:
     template = tmp_path / "mine.md"
     template.write_text("## First\nwords\n### Second\nwords")
@@ -302,6 +318,32 @@ def test_runs_stand_below_each_other_and_long_ones_are_thinned(monkeypatch: Any)
     assert thinned.note == "One of every 2 samples of the result."
 
 
+def test_wide_histories_are_thinned_by_their_cells(monkeypatch: Any) -> None:
+    monkeypatch.setattr(workbook, "MOST_HISTORY_CELLS", 8)  # of the 16 of all
+    (thinned,) = _history_tables(HISTORIES).values()
+    assert [row[1] for row in thinned.rows] == [0.0, 4.0, 0.0, 4.0]
+
+
+def test_turned_pages_do_not_interrupt_the_upright_blocks_of_a_section() -> None:
+    """They stand before the next heading or figure, with a heading that has nothing else."""
+
+    def _blocks(words: str) -> list[dict[str, Any]]:
+        kinds = {"H": "heading", "F": "figure", "t": "table", "T": "table"}
+        return [{"kind": kinds[w[0]], "turned": w[0] == "T", "name": w} for w in words.split()]
+
+    def _order(words: str) -> str:
+        found = []
+        for block in _turned_together(_blocks(words)):
+            inner = block.get("blocks", [block])
+            text = " ".join(one["name"] for one in inner)
+            found.append(f"({text})" if block["kind"] == "turned" else text)
+        return " ".join(found)
+
+    assert _order("H1 t1 T1 t2 T2 F1 T3 H2 t3") == "H1 t1 t2 (T1 T2) F1 (T3) H2 t3"
+    assert _order("H1 T1 H2 T2 t1") == "(H1 T1) H2 t1 (T2)"
+    assert _order("t1 H1 T1 H2 T2") == "t1 (H1 T1 H2 T2)"
+
+
 def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
     other = History({"Motion": "c"}, COLUMNS[:1], np.arange(3.0).reshape(3, 1))
     assert list(_history_tables(HISTORIES | {"c": other})) == ["Histories 1", "Histories 2"]
@@ -355,3 +397,18 @@ def test_without_the_library_a_sentence_says_what_to_install(monkeypatch: Any) -
     monkeypatch.setitem(sys.modules, "openpyxl", None)
     with pytest.raises(InputError, match=r'pip install "thermobearing\[report\]"'):
         workbook_bytes(PIECES, {})
+
+
+def test_signatures_have_names_and_date_of_the_title_block() -> None:
+    roles = ("Prepared by", "Checked by", "Approved by")
+    pieces = Pieces("bridge", "A", "B", [], signatures=roles)
+    block = TitleBlock(author="A. Engineer", checked="B. Engineer", date="2026-11-05").words()
+    (signatures,) = [
+        part for part in document(pieces, block).blocks if isinstance(part, Signatures)
+    ]
+    assert [(it.role, it.name, it.date) for it in signatures.signers] == [
+        ("Prepared by", "A. Engineer", "2026-11-05"),
+        ("Checked by", "B. Engineer", ""),
+        ("Approved by", "", ""),
+    ]
+    assert not document(pieces, block).close

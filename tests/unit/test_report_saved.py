@@ -4,6 +4,7 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,14 +18,16 @@ from thermobearing.bearing.model import Validity
 from thermobearing.design import report as design_report
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
+from thermobearing.identify import certificate as identify_certificate
 from thermobearing.identify import report as identify_report
 from thermobearing.identify.records.cycles import compare_loops
 from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
+from thermobearing.quantities.words import first_sentences
 from thermobearing.report import pdf
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
-from thermobearing.report.template import _arranged
+from thermobearing.report.template import _arranged, document
 from thermobearing.reporting import make_report
 from thermobearing.results.drawing import save_figures
 from thermobearing.results.metrics import measure_history
@@ -66,7 +69,7 @@ def test_fit_form(fit: Pieces) -> None:
 
 def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> None:
     """K_eq, Q_d and h_eq of each cycle are those of `measure`; parameters have intervals."""
-    made = identify_report.build_certificate(fitted)
+    made = identify_certificate.build_certificate(fitted)
     assert_well_formed(made)
     cycles = made.tables["cycles"]
     found = {
@@ -85,8 +88,9 @@ def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> Non
     symbols = [row[0] for row in made.tables["parameters"].rows]
     assert symbols == [item["symbol"] for item in fitted.summary["parameters"].values()]
     assert len(made.signatures) == 3
+    assert document(made, {}).close  # one page
     assert "/s" in made.answer[0]
-    assert " 1/s" not in made.answer[0].replace("rate 1/s", "")
+    assert " 1/s" not in made.answer[0].replace("about 1/s", "")
 
 
 @pytest.mark.parametrize("fonts", ["installed", "none"])
@@ -114,7 +118,7 @@ def test_certificate_is_one_page(
     replaced = codes in "".join(page.split())
     assert replaced == (client not in page) == ("fonts-noto-cjk" in page)
     assert replaced or fonts == "installed"
-    assert page.count("kN/mm") == 3  # in two heads and beside K_r, each on one line
+    assert page.count("kN/mm") == 5  # in four heads and beside K_r, each on one line
     text = files[0].read_text(encoding="utf-8")
     assert client in text
     assert text.count("Signature") == 3
@@ -128,10 +132,11 @@ def test_certificate_of_many_cycles_is_one_page(fitted: SavedResult, tmp_path: P
     first = fitted["cycles"].iloc[[0]]
     many = pd.concat([first.assign(cycle=k, test=name) for name in "ab" for k in range(1, 41)])
     many.to_csv(folder / "cycles.csv", index=False)
-    table = identify_report.build_certificate(loaded(folder)).tables["cycles"]
+    table = identify_certificate.build_certificate(loaded(folder)).tables["cycles"]
     assert identify_report.CLOSING not in table.note
     numbers = [row[2] for row in table.rows]
-    assert numbers == 2 * [1, 6, 11, 16, 21, 25, 30, 35, 40]
+    assert len(numbers) == 14
+    assert numbers[:7] == numbers[7:] == [1, 7, 14, 21, 27, 33, 40]
     assert "has all 80" in table.note
     (folder / "logo.png").write_bytes(next(folder.rglob("*.png")).read_bytes())
     title = dict.fromkeys(("project", "structure", "client", "author", "number", "revision"), "A")
@@ -140,34 +145,111 @@ def test_certificate_of_many_cycles_is_one_page(fitted: SavedResult, tmp_path: P
     assert len(pdfium.PdfDocument(files[1])) == 1
 
 
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("a" * identify_certificate.LINE, "a" * identify_certificate.LINE),
+        ("The model differs. " + "cause " * 20, "The model differs. ..."),
+        (
+            "The zero " + "(cold; " + "x " * 50 + ") is off; it",
+            "The zero (cold; " + "x " * 50 + ") is off ...",
+        ),
+        ("The zero is off " + "x " * 50, "The zero is off " + "x " * 50),
+    ],
+)
+def test_a_warning_of_the_certificate_is_not_cut_in_a_clause(text: str, line: str) -> None:
+    assert first_sentences(text, identify_certificate.LINE) == line
+
+
 def test_certificate_explains_numbers_that_are_missing(fitted: SavedResult) -> None:
     """The fourth of five cycles closed a block."""
     first = fitted["cycles"].iloc[[0]]
-    table = identify_report._certified_cycles(
+    table = identify_certificate._certified_cycles(
         pd.concat([first.assign(cycle=k) for k in (1, 2, 3, 5)]), 9
     )
     assert table.note == identify_report.CLOSING
 
 
 def test_certificate_of_many_tests_leaves_cycles_to_their_file(fitted: SavedResult) -> None:
-    """21 rows have room on the page; the figure states how many tests it shows."""
-    for count, listed in ((9, True), (10, False)):  # with a row for each test and two parameters
+    """22 rows have room on the page; the figure states how many tests it shows."""
+    for count, listed in ((7, True), (8, False)):  # a row for each test, and two parameters
         records = fitted.summary["records"] * count
-        made = identify_report.build_certificate(
+        made = identify_certificate.build_certificate(
             replace(fitted, summary={**fitted.summary, "records": records})
         )
         assert ("cycles" in made.tables) is listed
-        assert ("cycles.csv" in made.tables["tests"].note) is not listed
+        assert ("cycles.csv" in made.tables["tests"].caption) is not listed
         assert f"3 of {count} tests" in made.figures["loops"].caption
+
+
+def test_certificate_names_tests_held_out_and_warnings(fitted: SavedResult, tmp_path: Path) -> None:
+    """Three tests with their properties, ten parameters and five warnings fill one page."""
+    pytest.importorskip("typst", reason="pip install 'thermobearing[report]'")
+    pdfium = pytest.importorskip("pypdfium2", reason="pip install pypdfium2")
+    folder = shutil.copytree(fitted.path, tmp_path / "fit")
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    (key, item), *_ = summary["parameters"].items()
+    more = {f"{key}_{k}": item for k in range(10 - len(summary["parameters"]))}
+    test = {"role": "held out", "test": "cool", "ambient_degC": -10.0, "fold": 0}
+    test |= {"K_eq_error": -0.127, "h_eq_error": 0.02}
+    test |= {"K_eq_verdict": "within", "h_eq_verdict": "within"}
+    tests = [test | {"role": "fitted", "K_eq_error": 0.333}, test]
+    about = {"specimen": "SP-2026-04", "laboratory": "EMPA Zurich", "date": "2026-11-23"}
+    record = summary["records"][0]
+    properties = [
+        one | {"test": f"{at} degC", "ambient_degC": at, "ratio": ratio, "measured_ratio": ratio}
+        for at, ratio in ((23.0, None), (0.0, 1.4), (-20.0, 1.8))
+        for one in summary["properties"]
+    ]
+    summary |= {
+        "properties": properties,
+        "parameters": summary["parameters"] | more,
+        "records": 3 * [record | {"conditions": record["conditions"] | about}],
+        "held_out": {"limits": {"K_eq": 0.15, "h_eq": 0.15}, "tests": tests, "verdict": "within"},
+        "warnings": 5 * ["the force loops are at 2.9 kN, " + 20 * "not at zero, "],
+    }
+    (folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
+    made = identify_certificate.build_certificate(loaded(folder))
+    answer, brief = made.answer, made.tables["properties"]
+    assert len(brief.rows) == 5  # three temperatures, and two ratios to the warmest
+    (first, *_), (_, cold, *_) = brief.rows[0][1:], brief.rows[2]
+    assert float(first) == pytest.approx(properties[0]["measured"], rel=0.005)
+    assert float(cold) == 1.4
+    middle, half = map(float, brief.rows[0][2].split(" \N{PLUS-MINUS SIGN} "))
+    assert middle == pytest.approx(properties[0]["model"], rel=0.005)
+    width = properties[0]["upper"] - properties[0]["lower"]
+    assert half == pytest.approx(0.5 * width, rel=0.5)  # one digit
+    (held_out,) = (text for text in answer if "cool" in text)
+    assert "12.7" in held_out
+    assert "33.3" not in held_out
+    warnings = [text for text in answer if text.startswith("Warning")]
+    assert len(warnings) == identify_certificate.MOST_WARNINGS
+    assert all(text.count("not at zero") == 20 for text in warnings)  # one clause
+    title = dict.fromkeys(("project", "structure", "client", "author", "number", "revision"), "A")
+    title["date"] = "2026-11-23"
+    files = make_report(folder, title=title, certificate=True)
+    assert len(pdfium.PdfDocument(files[1])) == 1
+
+
+@pytest.mark.parametrize(
+    ("ends", "shown"),
+    [
+        (["-20.3 degC", "23.8 degC"], "\N{MINUS SIGN}20 to 24 °C"),
+        (["1.0872 1/s", "1.0881 1/s"], "1.1/s"),
+        ([0.0, 3.0], "0 to 3"),
+    ],
+)
+def test_ranges_of_a_certificate_are_rounded(ends: list[Any], shown: str) -> None:
+    assert identify_report.rounded_range(ends) == shown
 
 
 def test_only_an_acceptable_calibration_has_a_certificate(fitted: SavedResult) -> None:
     poor = {**fitted.summary, "outcome": "poor_fit", "sentence": "too bad"}
     with pytest.raises(tb.InputError, match=r"no certificate .* \(poor fit: too bad\)"):
-        identify_report.build_certificate(replace(fitted, summary=poor))
+        identify_certificate.build_certificate(replace(fitted, summary=poor))
     other = {**fitted.summary, "command": "lambda"}
     with pytest.raises(tb.InputError, match="only a calibration"):
-        identify_report.build_certificate(replace(fitted, summary=other))
+        identify_certificate.build_certificate(replace(fitted, summary=other))
 
 
 def test_strength_of_a_cycle_is_exact() -> None:
@@ -183,8 +265,10 @@ def test_strength_of_a_cycle_is_exact() -> None:
 
 def test_fit_numbers(fitted: SavedResult, fit: Pieces) -> None:
     reported = fitted.summary["parameters"]["hysteresis.layer_stiffness"]
-    assert f"K_r = {reported['value']:.4g} kN/mm" in fit.answer[0]
-    assert f"({reported['lower']:.4g} to {reported['upper']:.4g})" in fit.answer[0]
+    (parameters,) = (text for text in fit.answer if "K_r" in text)
+    assert f"K_r = {reported['value']:.4g} kN/mm" in parameters
+    assert f"({reported['lower']:.4g} to {reported['upper']:.4g})" in parameters
+    assert "G_e" in fit.answer[0]  # properties of the bearing before parameters of the model
     table = fit.tables["parameters"]
     assert numbers_in(table, "Estimate")[0] == reported["value"]
     assert numbers_in(table, "Standard error")[0] == reported["stderr"]
@@ -244,7 +328,7 @@ def test_poorly_determined_parameters_are_reported(fitted: SavedResult) -> None:
     item = summary["parameters"]["hysteresis.layer_stiffness"]
     item["stderr"], item["well_determined"] = 0.2 * item["value"], False
     weak = identify_report.build_pieces(replace(fitted, summary=summary))
-    assert "Poorly determined by these tests: K_r" in weak.answer[-2]
+    assert "These tests determine K_r poorly" in weak.answer[-2]
     assert weak.tables["undetermined"].rows[0][0] == "K_r"
 
 
@@ -278,6 +362,7 @@ def test_validation(record: tb.TestRecord, tmp_path) -> None:
     assert (0, 1) in pieces.tables["errors"].marked
 
 
+@pytest.mark.thorough
 def test_factors(tmp_path) -> None:
     report = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
     saved = loaded(report.save(tmp_path / "out", figures=False))
@@ -294,7 +379,7 @@ def test_factors(tmp_path) -> None:
     # A rate above the tests is a note, as under earthquakes, and no exceeded limit.
     rates = [one for one in (*pieces.checks, *pieces.validity) if "strain rate" in str(one)]
     assert not rates
-    assert any("train rates reach 3.14/s" in note for note in pieces.notes)
+    assert any("train rates reach 3.1/s" in note for note in pieces.notes)
     assert "shen-hdr-bridge.parameters" in pieces.inputs
     rows = {row[0]: row[3] for row in pieces.inputs["shen-hdr-bridge.parameters"].rows}
     assert rows["Strain hardening b"].startswith("Table 6.4")
@@ -327,6 +412,7 @@ def test_design(tmp_path) -> None:
     assert len(pieces.tables["rounds"].rows) == len(design.rounds)
 
 
+@pytest.mark.thorough
 def test_design_of_several_lines(tmp_path) -> None:
     table = {"structure": "two-piers.toml", "dt": "10 ms", "ambient": ["-20 degC"]}
     case = make_design_case(table, "example", INPUTS, motions=["jra-i-i-1"], tolerance=0.1)

@@ -73,6 +73,7 @@ def test_checks_and_validity(pieces: Pieces) -> None:
     assert not any("tested" in text for text in pieces.warnings)
 
 
+@pytest.mark.thorough
 def test_live_and_loaded_are_the_same(result: SequenceResult, pieces: Pieces, tmp_path) -> None:
     saved = result.save(tmp_path / "out", figures=False)
     assert as_data(build_pieces(tb.load_result(saved))) == as_data(pieces)

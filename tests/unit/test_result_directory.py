@@ -115,11 +115,14 @@ def stop_while_writing(monkeypatch: pytest.MonkeyPatch, how: BaseException) -> N
 
 @pytest.mark.parametrize(
     ("how", "status", "words"),
-    [
-        (FULL, 2, os.strerror(errno.ENOSPC)),
-        (RuntimeError("NetCDF: HDF error"), 2, "HDF error"),  # as netCDF tells it
-        (KeyboardInterrupt(), 130, "nothing was written"),
-    ],
+    quick_cases(
+        [
+            (FULL, 2, os.strerror(errno.ENOSPC)),
+            (RuntimeError("NetCDF: HDF error"), 2, "HDF error"),  # as netCDF tells it
+            (KeyboardInterrupt(), 130, "nothing was written"),
+        ],
+        0,
+    ),
     ids=["full disk", "full disk, as netCDF tells it", "Ctrl-C"],
 )
 def test_writing_stopped_halfway_leaves_nothing(
@@ -142,7 +145,9 @@ def test_writing_stopped_halfway_leaves_nothing(
         assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "old"]
 
 
-@pytest.mark.parametrize("stop", [1, 2], ids=["before the old one is moved", "before the new one"])
+@pytest.mark.parametrize(
+    "stop", quick_cases([1, 2], 0), ids=["before the old one is moved", "before the new one"]
+)
 def test_interrupted_swap_brings_the_earlier_result_back(
     case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stop: int
 ) -> None:
@@ -284,7 +289,7 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
     inputs.write_toml(tmp_path / "stiff.toml", table)
     path = inputs.quick_case(tmp_path / "case.toml", bearing="stiff.toml")
     out = tmp_path / "out"
-    done = inputs.cyclic(path, "--integrator", "euler", "--dt", 1, "-o", out, "--json")
+    done = inputs.cyclic(path, "--model-option", "integrator=euler", "--dt", 1, "-o", out, "--json")
     assert done.exit_code == 3
     assert "euler_unstable" in done.stderr
     assert "smaller dt" in done.stderr
@@ -322,7 +327,6 @@ SMALL = {
             (tb.bridge, {"bearing": "shen-hdr-bridge", "structure": SMALL}),  # a single period
             (tb.hybrid, {"bearing": "shen-hdr-specimen"}),
         ],
-        0,
         1,
     ),
     ids=["bridge", "one coordinate", "hybrid"],

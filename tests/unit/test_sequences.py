@@ -113,6 +113,7 @@ def test_files_are_whole_and_read_back(result: SequenceResult, tmp_path: Path) -
     assert tb.sequence(case).table.equals(result.table)
 
 
+@pytest.mark.thorough
 def test_each_part_runs_again_by_itself(result: SequenceResult, tmp_path: Path) -> None:
     out = result.save(tmp_path / "out", figures=False)
     place = out / "parts" / "03-hybrid" / "case.resolved.toml"
@@ -150,9 +151,9 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     test = tb.cyclic_test([2.5], cycles=1, wave="sine", dt=0.02)
     cold = tb.run_case(make_case(table, "case", test=test))
     assert any("limit of shen-rig is 400 kN" in text for text in cold.summary()["warnings"])
-    asked = cold.rig.set_index("limit")
-    assert asked.loc["force", "asked"] == np.abs(cold["force"]).max()
-    assert abs(asked.loc["speed", "asked"] / (30.0 * np.pi / 2.0) - 1.0) < 1e-3
+    rows = cold.rig.set_index("limit")
+    assert rows.loc["force", "demand"] == np.abs(cold["force"]).max()
+    assert abs(rows.loc["speed", "demand"] / (30.0 * np.pi / 2.0) - 1.0) < 1e-3
     assert cold.outcome == "completed"
     lab = {"mode": "pd", "speed": "10 mm/s"}
     study = {"command": "hybrid", "rig": {"speed": "9 mm/s"}, "laboratory": lab}

@@ -33,8 +33,9 @@ from thermobearing.opensees.case import (
 )
 from thermobearing.opensees.element import ServedElement, StepError
 from thermobearing.opensees.line import ServingError, serve
+from thermobearing.opensees.recording import Journal
 from thermobearing.opensees.result import ServedResult
-from thermobearing.opensees.server import LOOPBACK, Server
+from thermobearing.opensees.server import LOOPBACK, Limits, Server
 from thermobearing.opensees.wire import Action, Request, Setup, decode_reply, receive_exactly
 
 LIMIT = 20.0  # s, for what takes milliseconds
@@ -84,10 +85,17 @@ class Client:
 class Running:
     """A server in a thread, one port for elements that are numbered as they come."""
 
-    def __init__(self, given: ServedCase, layout: Layout = ONE, tag: int | None = None) -> None:
-        self.server = Server(given, lambda text: None)
+    def __init__(
+        self,
+        given: ServedCase,
+        layout: Layout = ONE,
+        tag: int | None = None,
+        limits: Limits | None = None,
+        journal: Journal | None = None,
+    ) -> None:
+        self.server = Server(given, lambda text: None, journal=journal, limits=limits)
         self.port = self.server.listen(layout, tag, LOOPBACK, 0)
-        self.thread = threading.Thread(target=self.server.run)
+        self.thread = threading.Thread(target=self.server.run, daemon=True)
         self.thread.start()
 
     def stop(self) -> Server:
@@ -217,10 +225,8 @@ TWO = Setup.smallest(2).encode()
     ],
     ids=["degrees of freedom", "another program", "wrong size", "half a message"],
 )
-def test_bytes_that_are_no_message_are_answered_by_nan(
-    data: bytes, word: str, running: Running, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(server_module, "HALF", 0.1)
+def test_bytes_that_are_no_message_are_answered_by_nan(data: bytes, word: str) -> None:
+    running = Running(case(), limits=Limits(message_time=0.1, tick=0.05))
     with socket.create_connection((LOOPBACK, running.port), timeout=LIMIT) as other:
         other.sendall(data)
         assert word in running.wait_for_problem()
@@ -228,6 +234,7 @@ def test_bytes_that_are_no_message_are_answered_by_nan(
     client = Client(running.port)  # others are served
     assert [client.step(x, t) for t, x in PATH] == expected(PATH)
     client.end()
+    running.stop()
 
 
 def test_a_client_that_is_killed_leaves_its_history(running: Running, client: Client) -> None:
@@ -393,12 +400,17 @@ def test_a_killed_server_lets_nobody_wait() -> None:
     line = serve("shen-hdr-bridge", ambient=-20)
     client = Client(read_port(line.element(5, (1, 2))))
     assert client.step(3.0, 0.1) > 0.0
+    served = line.results()
     line._process.kill()
     assert_only_nan(client)
     client.socket.close()
-    for _ in range(2):
-        with pytest.raises(ServingError, match="-9"):
-            line.results()
+    with pytest.raises(ServingError, match="-9"):
+        line.results()
+    with pytest.raises(ServingError, match="-9"):
+        line.check()
+    kept = line.results()  # what the server had written before
+    assert kept.outcome == "connection_failed"
+    assert (kept["force"].values == served["force"].values).all()
 
 
 def test_ctrl_c_in_the_script_marks_its_result() -> None:
@@ -422,6 +434,7 @@ def test_without_histories_there_is_no_result(monkeypatch: pytest.MonkeyPatch) -
         line.results()
 
 
+@pytest.mark.thorough
 def test_a_killed_script_takes_its_server_along(tmp_path: Path) -> None:
     script = (
         "import time; from thermobearing.opensees.line import serve\n"
@@ -459,6 +472,7 @@ def port_printed_by(running: "subprocess.Popen[str]") -> int:
     )
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_the_command_which_writes_what_it_served(tmp_path: Path) -> None:
     words = ["shen-hdr-bridge", "--ambient", "-20", "--port", "0", "--no-figures"]
     running = command(*words, "-o", str(tmp_path / "out"), "--units", "kN-mm")
@@ -526,7 +540,7 @@ import os, signal
 from tests.unit.test_served import ONE, LOOPBACK, Server, case
 from thermobearing.opensees.keeper import Keeper
 from thermobearing.opensees.server import load_kernels
-server = Server(case(), print, Keeper.start(1.5))
+server = Server(case(), print, Keeper.start(1.5, 0.1))
 load_kernels(server.case)
 print(server.listen(ONE, None, LOOPBACK, 0), flush=True)
 moved = lambda: any(len(history.time) > 1 for history in server.histories())
@@ -553,11 +567,11 @@ SILENT = """
 import time
 from thermobearing.opensees.keeper import Keeper
 keeper = Keeper.start(0.2)
-keeper.alive()
-keeper.pause()
+keeper.report_progress()
+keeper.expect_silence()
 time.sleep(1.0)
 print("compiled", flush=True)
-keeper.alive()
+keeper.report_progress()
 time.sleep(60.0)
 """
 
@@ -570,7 +584,7 @@ def test_a_server_that_compiles_is_not_ended() -> None:
         timeout=3 * LIMIT,
         check=False,
     )
-    assert (process.stdout, process.returncode) == ("compiled\n", -signal.SIGKILL)
+    assert (process.stdout, process.returncode) == ("compiled\n", -signal.SIGTERM)
 
 
 def test_kernels_of_two_directions_are_there_before_an_element_connects(
@@ -584,7 +598,7 @@ def test_kernels_of_two_directions_are_there_before_an_element_connects(
     monkeypatch.setattr(server_module, "load_kernels", load)
     layout = Layout.of(1, (1, 2), None, "test")
     served = server_module.serve_until(
-        case(), layout, LOOPBACK, 0, once=True, say=lambda _: os.kill(os.getpid(), signal.SIGTERM)
+        case(), layout, LOOPBACK, 0, once=True, show=lambda _: os.kill(os.getpid(), signal.SIGTERM)
     )
     assert served.stopped
     assert loaded == [(1, 2)]

@@ -20,12 +20,14 @@ from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.quick import quick_cases
 from tests.unit.inputs import command, last_line
+from thermobearing.bearing.bilinear import BilinearBearing, load_device
+from thermobearing.bearing.library import load_bearing
 from thermobearing.border.errors import InputError
-from thermobearing.cyclic.reported import residual_rows
-from thermobearing.earthquake.case import Laboratory, make_earthquake_case
+from thermobearing.earthquake.case import Laboratory, load_earthquake_case, make_earthquake_case
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.earthquake.specimen import read_address
+from thermobearing.earthquake.specimen import TwinCheck, read_address, refuse_remote
+from thermobearing.model.outcomes import ALL_SENTENCES
 from thermobearing.opensees.line import serve
 from thermobearing.opensees.wire import (
     Action,
@@ -35,8 +37,17 @@ from thermobearing.opensees.wire import (
     prepare,
     receive_exactly,
 )
+from thermobearing.reported import residual_rows
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.run import StructureHistory, _actuators, prepare_structure
+from thermobearing.structure.run import (
+    IMPLAUSIBLE_ENERGY,
+    IMPLAUSIBLE_FORCE,
+    IMPLAUSIBLE_STIFFNESS,
+    SENSOR_STUCK,
+    StructureHistory,
+    _actuators,
+    prepare_structure,
+)
 
 HDR = "shen-hdr-specimen"
 LHDR, HDR_BRIDGE, LHDR_BRIDGE = "shen-lhdr-specimen", "shen-hdr-bridge", "shen-lhdr-bridge"
@@ -52,6 +63,7 @@ class Server:
         self.bearing, self.delay, self.answer = bearing, delay, answer
         self.log: list[tuple[Action, float, float]] = []
         self.commands: list[float] = []
+        self.connected = False
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"tcp://127.0.0.1:{self.listener.getsockname()[1]}"
         self.thread = threading.Thread(target=self._serve, daemon=True)
@@ -59,6 +71,7 @@ class Server:
 
     def _serve(self) -> None:
         connection, _ = self.listener.accept()
+        self.connected = True
         with connection:
             prepare(connection)
             setup = Setup.decode(receive_exactly(connection, 44, LIMIT))
@@ -98,6 +111,7 @@ def served(bearing: str = LHDR, ambient: float = -20.0, **given: Any) -> Iterato
     server = Server(element, **given)
     try:
         yield server
+        assert server.connected, "nobody connected to the specimen"
         server.thread.join(LIMIT)
         assert not server.thread.is_alive()
     finally:
@@ -126,7 +140,7 @@ def assert_same(one: StructureHistory, other: StructureHistory, line: int = 0) -
 
 @pytest.mark.parametrize(
     "laboratory",
-    quick_cases([{}, {"mode": "pd"}, {"force_noise": "2 kN", "seed": 4}], 0, 2),
+    quick_cases([{}, {"mode": "pd"}, {"force_noise": "2 kN", "seed": 4}], 2),
     ids=["real time", "slow", "noise"],
 )
 def test_a_served_bearing_gives_the_histories_of_the_calculated_one(
@@ -260,19 +274,116 @@ def test_a_lost_specimen_ends_the_test_and_what_was_measured_is_kept(
     np.testing.assert_allclose(found.rows.q, whole.rows.q[:AFTER], atol=1e-9)
 
 
+def _always(value: float) -> Answer:
+    return lambda server, force: value
+
+
+@pytest.mark.parametrize(
+    ("answer", "outcome"),
+    [
+        (_at(AFTER, 1e300), IMPLAUSIBLE_FORCE),
+        (_always(1e5), IMPLAUSIBLE_FORCE),
+        (_always(0.0), SENSOR_STUCK),
+        (_at(AFTER, 7.0), SENSOR_STUCK),
+        (lambda server, force: -force, IMPLAUSIBLE_STIFFNESS),
+        (lambda server, force: 20.0 * server.commands[-1] - force, IMPLAUSIBLE_STIFFNESS),
+    ],
+    ids=["1e300 kN", "1e5 kN", "zero", "stuck", "negative", "stiff"],
+)
+def test_a_force_that_the_calculated_bearing_rules_out_ends_the_test(
+    answer: Answer, outcome: str
+) -> None:
+    with served(answer=answer) as server:
+        found = run_hybrid(laboratory={"specimen": server.address})
+    assert found.outcome == outcome
+    assert "last good step" in found.note
+    force = found.bearing()["force"]
+    assert found.steps < len(server.commands) or len(server.commands) == 1
+    assert np.abs(force).max(initial=0.0) < 1e3
+    assert server.log[-1][0] == Action.END
+    assert ALL_SENTENCES[outcome]
+
+
+def test_a_force_limit_of_the_laboratory_replaces_that_of_the_twin() -> None:
+    with served(answer=_at(AFTER, 9e5)) as server:
+        found = run_hybrid(laboratory={"specimen": server.address, "force_limit": 1e6})
+    assert found.outcome != IMPLAUSIBLE_FORCE
+
+
+def outcome_of(damping: float, stiffness: float = 1.0, noise: float = 0.0) -> str:
+    """The outcome of ellipses, beside a twin of unit stiffness and 15 % damping."""
+    bearing = load_bearing(LHDR)
+    check = TwinCheck(bearing, -20.0)
+    height, scale = bearing.total_rubber_thickness, check._reference
+    phase = np.linspace(0.0, 6.0 * np.pi, 1200)
+    growing = np.minimum(phase / np.pi, 1.0)
+    errors = noise * np.random.default_rng(1).standard_normal(len(phase))
+    for angle, share, error in zip(phase, growing, errors, strict=True):
+        x, v = share * math.sin(angle), share * math.cos(angle)
+        force = scale * (stiffness * x + 2.0 * damping * v + error)
+        outcome, _ = check.problem(height * x, force, scale * (x + 0.3 * v))
+        if outcome:
+            return outcome
+    return "completed"
+
+
+def test_energy_and_stiffness_have_limits_on_both_sides() -> None:
+    assert outcome_of(0.15) == outcome_of(0.05, 0.4, 0.02) == outcome_of(0.4, 3.0) == "completed"
+    assert outcome_of(-0.05) == IMPLAUSIBLE_ENERGY
+    assert outcome_of(2.5, 5.0) == IMPLAUSIBLE_ENERGY
+    assert outcome_of(0.0, -0.5) == outcome_of(0.0, 0.05, 0.001) == IMPLAUSIBLE_STIFFNESS
+    assert outcome_of(0.15, 15.0) == IMPLAUSIBLE_STIFFNESS
+
+
+@pytest.mark.parametrize("bearing", [HDR_BRIDGE, "shen-bilinear-bridge"])
+def test_the_reference_is_the_force_at_full_strain(bearing: str) -> None:
+    device = load_device(bearing)
+    force = TwinCheck(device, 23.0)._reference
+    if isinstance(device, BilinearBearing):
+        height = device.total_rubber_thickness
+        assert force == device.strength + device.post_yield_stiffness * height
+    else:
+        shear_stress = force / device.area  # GPa
+        assert 0.5e-3 < shear_stress < 3e-3
+
+
+REMOTE = "tcp://10.0.0.7:8090"
+
+
+def test_a_case_file_alone_reaches_this_machine_only(tmp_path: Path) -> None:
+    file = tmp_path / "case.toml"
+    file.write_text(
+        f'command = "hybrid"\nbearings = ["{LHDR}"]\nambient = "0 degC"\n'
+        f'[laboratory]\nspecimen = "{REMOTE}"\n'
+    )
+    with pytest.raises(InputError) as refused:
+        load_earthquake_case(file)
+    assert f"--specimen {REMOTE}" in str(refused.value)
+    assert load_earthquake_case(file, laboratory={"specimen": REMOTE}).specimen == REMOTE
+    for host in ("localhost", "127.0.0.1", "127.8.0.1", "[::1]"):
+        table = {"command": "hybrid", "laboratory": {"specimen": f"tcp://{host}:80"}}
+        refuse_remote(table, "test")
+    done = command("check", file)
+    assert done.exit_code == 2
+    assert REMOTE in done.stderr
+
+
 @pytest.mark.parametrize(
     ("key", "column", "limit", "outcome"),
-    [
-        ("force_limit", "force", 60.0, "force_limit"),
-        ("displacement_limit", "displacement", 2.0, "displacement_limit"),
-    ],
+    quick_cases(
+        [
+            ("force_limit", "force", 60.0, "force_limit"),
+            ("displacement_limit", "displacement", 2.0, "displacement_limit"),
+        ],
+        0,
+    ),
 )
 def test_a_limit_stops_the_test(
     key: str, column: str, limit: float, outcome: str, tmp_path: Path
 ) -> None:
     with served() as server:
         words = ["--bearing", LHDR, "--ambient", -20, "--duration", 4, "--no-figures", "--json"]
-        words += ["--specimen", server.address, f"--{key.replace('_', '-')}", limit]
+        words += ["--specimen", server.address, "--laboratory", f"{key}={limit}"]
         done = command("hybrid", *words, "-o", tmp_path / "out")
     assert done.exit_code == 3
     assert last_line(done)["outcome"] == outcome
@@ -280,7 +391,7 @@ def test_a_limit_stops_the_test(
     values = saved.dataset[f"bearing_{column}"].values
     assert 0.5 * limit < np.nanmax(np.abs(values)) <= limit
     assert saved.dataset.attrs["specimen"] == server.address
-    notes = [re.findall(r"-?[\d.]+", text) for text in saved.warnings if "force_limit" in text]
+    notes = [re.findall(r"-?[\d.]+", text)[:2] for text in saved.warnings if "force_limit" in text]
     assert [abs(float(force)) > float(most) == limit for force, most in notes] == [True] * (
         key == "force_limit"
     )
@@ -329,7 +440,17 @@ def test_addresses(address: str, found: tuple[str, int]) -> None:
 
 
 @pytest.mark.parametrize(
-    "address", ["localhost:80", "tcp://a", "tcp://a:0", "udp://a:1", "tcp://:1"]
+    "address",
+    [
+        "localhost:80",
+        "tcp://a",
+        "tcp://a:0",
+        "udp://a:1",
+        "tcp://:1",
+        "tcp://a..b:1",
+        f"tcp://{'a' * 64}:1",
+        "tcp://a\0b:1",
+    ],
 )
 def test_what_is_no_address(address: str) -> None:
     with pytest.raises(ValueError, match="tcp://"):
@@ -340,7 +461,7 @@ def test_nothing_answers() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         address = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
     with pytest.raises(InputError, match=address):
-        tb.hybrid(LHDR, ambient=0, duration=1, specimen=address)
+        tb.hybrid(LHDR, ambient=0, duration=1, laboratory={"specimen": address})
 
 
 SOME = "tcp://127.0.0.1:9"
@@ -365,10 +486,10 @@ def test_what_does_not_go_with_a_specimen(changes: dict[str, Any], key: str) -> 
     assert any(key in problem for problem in refused.value.problems)
 
 
-def test_keywords_and_a_checked_laboratory_are_the_same() -> None:
+def test_a_checked_laboratory_reaches_the_case() -> None:
     with served() as server:
-        lab = Laboratory(force_limit=500.0, specimen=SOME)
-        found = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab, specimen=server.address)
+        lab = Laboratory(force_limit=500.0, specimen=server.address)
+        found = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab)
     assert found.outcome == "completed"
     assert server.address in found.dataset.attrs["case"]
     pieces = build_pieces(found)

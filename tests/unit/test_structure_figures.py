@@ -12,7 +12,7 @@ from tests.unit.test_figures import overlaps
 from tests.unit.test_lines_and_piers import make_bridge, two_piers
 from tests.verification.frames import TWO_PIERS, written
 from thermobearing.results.figure_style import figure_style
-from thermobearing.structure.figures import _lay_out
+from thermobearing.structure.figures import BELOW_DECK, _lay_out
 from thermobearing.structure.model import load_structure
 
 
@@ -20,9 +20,31 @@ def test_piers_stand_side_by_side_and_the_deck_lies_over_them() -> None:
     layout = _lay_out(make_bridge(two_piers()))
     assert layout.columns["A"] < layout.columns["deck"] < layout.columns["B"]
     assert layout.ends["A"] == (0.0, 10.0)
-    assert layout.ends["deck"][0] > 10.0
+    assert layout.ends["deck"] == (10.0, 10.0)
     assert layout.scaled
     assert not _lay_out(load_structure("hybrid-pier")).scaled
+
+
+def test_masses_and_lines_are_drawn_at_their_heights() -> None:
+    """One of them above the deck, one line below it; the symbols of lines have one size."""
+    bridge = make_bridge(two_piers())
+    heights = {"deck": 11_500.0}
+    masses = [
+        mass.model_copy(update={"height": heights.get(mass.body, mass.height)})
+        for mass in bridge.masses
+    ]
+    lines = [
+        line.model_copy(update={"height": 9_500.0 - 500.0 * k})
+        for k, line in enumerate(bridge.bearings)
+    ]
+    changed = bridge.model_copy(update={"masses": masses, "bearings": lines})
+    (ax,) = tb.examine_structure(changed).plot.model().axes
+    drawn = [line for line in ax.lines if line.get_marker() == "o" and line.get_markersize() == 7]
+    assert [line.get_ydata()[0] for line in drawn] == [mass.height / 1e3 for mass in masses]
+    symbols = [line for line in ax.lines if line.get_marker() == BELOW_DECK]
+    assert [line.get_ydata()[0] for line in symbols] == [line.height / 1e3 for line in lines]
+    (size,) = {line.get_markersize() for line in symbols}
+    assert size / 3.0 < 12.0  # points: the square is a third of its marker
 
 
 def test_names_of_bearing_lines_lie_apart_and_inside_the_frame() -> None:
@@ -41,6 +63,25 @@ def test_names_of_bearing_lines_lie_apart_and_inside_the_frame() -> None:
         for k, box in enumerate(boxes):
             assert not any(box.overlaps(other) for other in boxes[k + 1 :])
             assert box.y1 < ax.get_window_extent().y1
+
+
+@pytest.mark.thorough
+def test_a_name_stands_next_to_the_mass_of_the_deck_above_its_line() -> None:
+    """Of three lines, the mass of the deck stands over the one in the middle."""
+    structure = two_piers()
+    structure["masses"][0]["height"] = "11 m"
+    bridge = make_bridge(structure)
+    (first, *_), places = bridge.bearings, {"A1": "0 m", "P1": "40 m", "A2": "80 m"}
+    table = first.model_dump(exclude_unset=True) | {"base": "ground"}
+    lines = [
+        type(first).model_validate(table | {"name": name, "x": place})
+        for name, place in places.items()
+    ]
+    figure = tb.examine_structure(bridge.model_copy(update={"bearings": lines})).plot.model()
+    figure.draw_without_rendering()
+    names = {text.get_text(): text for text in figure.axes[0].texts}
+    sides = [names[name].get_horizontalalignment() for name in places]
+    assert sides == ["center", "right", "center"]
 
 
 def test_names_in_plan_lie_apart_and_off_the_marks() -> None:
@@ -88,6 +129,7 @@ def test_a_structure_fits_in_a_column_of_a_paper(name: str) -> None:
             assert figure.axes[0].get_window_extent().height > 1.5 * figure.dpi
 
 
+@pytest.mark.thorough
 def test_a_frame_is_drawn_with_its_nodes_apart(tmp_path: Path) -> None:
     """Each node is named once, nodes at one place together; the structure is in the other panel."""
     result = tb.import_frame(written(tmp_path, "frame.csv", TWO_PIERS))

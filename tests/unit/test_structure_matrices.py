@@ -33,14 +33,14 @@ from thermobearing.border.toml import to_toml
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import report as earthquake_report
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.result import LARGEST_DAMPING_SHARE
+from thermobearing.earthquake.measures import LARGEST_DAMPING_SHARE
 from thermobearing.results.saved import read_saved
 from thermobearing.structure import run
 from thermobearing.structure.forces import build_bearings
 from thermobearing.structure.matrices import (
     _bare_modes,
     _line_parts,
-    _own_parts,
+    _spring_and_hinge_parts,
     _weighed_ratios,
     build_matrices,
     displacement_row,
@@ -119,7 +119,7 @@ def test_damping_ratios_are_weighed_with_strain_energy() -> None:
         total = bearing + springs.sum()
         wanted.append((0.2 * bearing + 0.02 * springs[0] + 0.10 * springs[1]) / total)
     matrices = build_matrices(structure)
-    parts = [*_own_parts(structure, matrices), *_line_parts(structure, matrices)]
+    parts = [*_spring_and_hinge_parts(structure, matrices), *_line_parts(structure, matrices)]
     assert_allclose(_weighed_ratios(parts, prepared.modes), wanted)
     assert_allclose(wanted, [0.2, 0.08], atol=0.002)
 
@@ -193,6 +193,17 @@ def test_the_source_damps_the_deck() -> None:
     assert given.damping[0, 1] == 0.0
 
 
+def test_the_source_with_bearings_damps_all_stiffness() -> None:
+    """C = a M + b K with all [K] of Eq. 3.3: every mode on the bearings has a/(2 w) + b w/2."""
+    prepared = prepared_with(two_springs(), kind="source-with-bearings", ratios=(0.03, 0.07))
+    assert_allclose(prepared.ratios, [0.03, 0.07], rtol=1e-9)
+    assert prepared.damping[0, 1] < 0.0  # the dashpot across the bearings
+    pier = run.prepare_structure(PIER, "consistent", "source-with-bearings")
+    w = pier.modes.frequencies
+    a, b = np.linalg.solve(np.column_stack([0.5 / w, 0.5 * w])[:2], pier.ratios[:2])
+    assert_allclose(pier.ratios, 0.5 * a / w + 0.5 * b * w, rtol=1e-9)
+
+
 def test_modal_ratios_are_those_of_the_parts() -> None:
     """Of a pier on two springs: (0.02 100 + 0.10 300)/400 in its one mode."""
     assert_allclose(bare_ratios(prepared_with(two_springs(), kind="modal")), [0.08])
@@ -252,6 +263,7 @@ def test_a_structure_on_nothing_but_bearings_has_no_viscous_damping() -> None:
         ({"kind": "rayleigh", "ratios": (0.3, 0.0)}, ["adds energy", "modal"]),
         ({"kind": "source", "ratios": (0.3, 0.0)}, ["adds energy", "modal"]),
         ({"kind": "source", "ratios": (0.3,)}, ["two"]),
+        ({"kind": "source-with-bearings", "ratios": (0.3,)}, ["two"]),
         ({"kind": "modal", "ratios": (0.1, 0.1)}, ["2 numbers", "3 mode"]),
         ({"kind": "modal", "ratios": (1.5,)}, ["less than 1"]),
         ({"kind": "modl"}, ["modal", "element"]),
@@ -264,7 +276,7 @@ def test_what_is_refused(damping: dict[str, Any], words: list[str]) -> None:
         assert word in str(reported.value)
 
 
-@pytest.mark.parametrize("kind", [*OWN, "source"])
+@pytest.mark.parametrize("kind", [*OWN, "source", "source-with-bearings"])
 def test_books_close_with_every_kind(kind: DampingKind) -> None:
     ground = 2.0 * read_ground("jra-ii-i-1", 0.005, 10.0)
     constants = real_bearing("shen-lhdr-bridge")
@@ -297,6 +309,19 @@ def test_results_say_how_much_is_damped() -> None:
         assert math.isclose(summary["runs"][0]["damping_of_input"], share)
         assert (share > LARGEST_DAMPING_SHARE) == much
         assert any("damping" in text for text in summary["warnings"]) == much
+
+
+def test_damping_of_the_structure_is_an_assumption_and_a_chosen_one_a_warning() -> None:
+    for chosen in (None, "modal"):
+        result = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", -20, duration=8, damping=chosen)
+        assert result.table["damping_of_input"].max() > LARGEST_DAMPING_SHARE
+        assert (result.damping_note in result.warnings) == (chosen is not None)
+        told = [
+            text
+            for text in earthquake_report.build_pieces(result).assumptions
+            if "input energy" in text
+        ]
+        assert len(told) == (chosen is None)
 
 
 # Table 6.2 in kN, mm, s; coordinates in the order of the print: x_1, theta_2, x_3, theta_3.
@@ -499,6 +524,7 @@ def test_show_writes_parts_periods_and_figures(tmp_path: Path) -> None:
     assert load_structure(out / "case.resolved.toml") == load_structure("pier-p1")
 
 
+@pytest.mark.thorough
 def test_show_draws_a_structure_in_plan(tmp_path: Path) -> None:
     """Places of all parts, effective masses per direction, and the plan; and a report of it."""
     out = tmp_path / "bridge"
@@ -576,6 +602,7 @@ def test_a_mass_on_the_ground_has_no_pier(tmp_path: Path) -> None:
         load_structure(path)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("lines", quick_cases([1, 2], 1))
 def test_nothing_is_said_of_a_pier_on_the_ground(tmp_path: Path, lines: int) -> None:
     """Neither in columns of a history, nor in captions, notes and heads of a report and figures."""

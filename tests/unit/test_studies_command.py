@@ -49,6 +49,22 @@ def test_a_study_again_does_nothing(done: Path) -> None:
     assert {path: path.read_bytes() for path in files} == files
 
 
+def test_resuming_is_said_and_needs_a_study(done: Path) -> None:
+    words = ["study", str(done / "small.toml"), "--jobs", "1", "--resume", "-o"]
+    there = CliRunner().invoke(app, [*words, str(done / "out")])
+    assert there.exit_code == 0
+    assert "8 of 8 runs" in there.stderr
+    nowhere = CliRunner().invoke(app, [*words, str(done / "nowhere")])
+    assert nowhere.exit_code == 2
+    assert "nowhere" in nowhere.stderr
+    with pytest.raises(tb.InputError, match="nowhere"):  # in Python too
+        tb.study(done / "small.toml", done / "nowhere", jobs=1, resume=True)
+    with pytest.raises(tb.InputError, match="resume"):
+        tb.study(done / "small.toml", resume=True)
+    assert tb.study(done / "small.toml", done / "out", jobs=1, resume=True).runs == 8
+    assert not (done / "nowhere").exists()
+
+
 def test_a_start_reports_time_and_memory(done: Path) -> None:
     study = ["study", str(done / "small.toml"), "-o", str(done / "timed"), "--jobs", "1"]
     found = last(study)

@@ -13,7 +13,7 @@ import thermobearing.earthquake.analysis as study
 from thermobearing.border.errors import InputError
 from thermobearing.cyclic.case import Keep
 from thermobearing.earthquake.case import EarthquakeAnalysis, EarthquakeCase, Stepping
-from thermobearing.model.options import ModelKeywords, ModelOptions
+from thermobearing.model.options import ModelKeywords, ModelOptions, Side
 from thermobearing.model.stack import EndFace
 from thermobearing.structure.model import load_structure
 
@@ -25,18 +25,22 @@ VALUES: dict[str, Any] = {
     "method": "linear-acceleration",
     "mass": "published",
     "damping": "element",
+    "keep": ("rubber", "cells"),
+    "model": "single-temperature",
+}
+# The same of the fields of the record that `model` takes.
+OPTIONS: dict[str, Any] = {
     "scheme": "published",
     "integrator": "euler",
     "hardening": "monotone",
     "small_loops": "closed",
     "heat_source": "dissipation",
-    "lead_ends": "finite-plate",
+    "lead_ends": "half-space",
     "clock": "lead",
     "upper_face": EndFace(eta=1.5),
     "lower_face": EndFace(eta=2.5),
-    "keep": ("rubber", "cells"),
+    "side": Side(film=12.0),
     "stack": "full",
-    "model": "single-temperature",
 }
 
 
@@ -52,13 +56,34 @@ def make_case(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
 
 
 def test_keywords_are_the_fields_of_the_records() -> None:
-    options = set(ModelOptions.model_fields) - {"model"}
-    assert set(ModelKeywords.__annotations__) == options
-    besides = {"axial_force", "fixed_base", "duration", *Stepping.model_fields}
-    assert set(study.EarthquakeKeywords.__annotations__) == options | besides
+    besides = {"axial_force", "limits", "fixed_base", "duration", *Stepping.model_fields}
+    assert set(study.EarthquakeKeywords.__annotations__) >= {"state", "exposure"} | besides
     for name, kind in get_type_hints(ModelKeywords).items():
         field = ModelOptions.model_fields[name].annotation
         assert set(get_args(field)) <= {*get_args(kind)} or field in get_args(kind), name
+
+
+def test_other_former_keywords_are_refused_with_their_place() -> None:
+    with pytest.raises(InputError) as caught:
+        tb.run("lrb-example", conditioned=6.0)  # type: ignore[call-arg]
+    assert 'initial = tb.InitialState(conditioning={"conditioned": ...})' in str(caught.value)
+    with pytest.raises(InputError) as caught:
+        tb.hybrid("shen-hdr-specimen", specimen="tcp://127.0.0.1:9")  # type: ignore[call-arg]
+    assert 'laboratory = {"specimen": ...}' in str(caught.value)
+    start = tb.InitialState(conditioning={"conditioned": 6.0})
+    with pytest.raises(InputError, match="begins at the ambient"):
+        tb.bridge("lrb-example", "jra-ii-i-1", -20, initial=start)
+
+
+def test_each_field_of_the_model_has_one_place() -> None:
+    """In `model`, except what `ModelKeywords` repeats; the refusal of a former keyword says so."""
+    fields = set(ModelOptions.model_fields) - {"model"}
+    assert set(OPTIONS) == fields - set(ModelKeywords.__annotations__)
+    for name in OPTIONS:
+        for call in (tb.run, *BOTH, tb.element, tb.BearingElement, tb.opensees.serve):
+            with pytest.raises(InputError) as caught:
+                call("shen-hdr-bridge", **{name: OPTIONS[name]})
+            assert f'"{name}"; give it in model = tb.ModelOptions({name}=...)' in str(caught.value)
 
 
 @pytest.mark.parametrize("call", [tb.run, *BOTH, tb.element])
@@ -78,6 +103,18 @@ def test_an_argument_reaches_the_case(
     default = make_case(call, "shen-hdr-bridge", "jra-ii-i-1", -20)
     holder = default.analysis if name in EarthquakeAnalysis.model_fields else default
     assert getattr(holder, name) != VALUES[name]
+
+
+@pytest.mark.parametrize("call", BOTH)
+def test_options_of_the_model_reach_the_case(
+    call: Callable[..., Any], make_case: Callable[..., EarthquakeCase]
+) -> None:
+    default = make_case(call, "shen-lhdr-bridge", "jra-ii-i-1", -20).analysis
+    for name, value in OPTIONS.items():
+        chosen = {name: value} | ({"lead_ends": "half-space"} if name == "clock" else {})
+        model = ModelOptions(**chosen)
+        case = make_case(call, "shen-lhdr-bridge", "jra-ii-i-1", -20, model=model)
+        assert getattr(case.analysis, name) == value != getattr(default, name)
 
 
 @pytest.mark.parametrize("call", BOTH)

@@ -18,7 +18,7 @@ import thermobearing.studies.run.shard as peaks
 from tests.unit.studies import kept, small_study
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.studies.run.engine import run_study, study_status
-from thermobearing.studies.run.processes import HERE
+from thermobearing.studies.run.processes import PRELOADED
 from thermobearing.studies.store import Store
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork, as POSIX has it")
@@ -182,7 +182,7 @@ def test_processes_that_always_die_are_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What a process does first breaks there, and the process with it.
-    monkeypatch.setattr("thermobearing.studies.run.processes._begin", divmod)
+    monkeypatch.setattr("thermobearing.studies.run.processes._set_up_process", divmod)
     with pytest.raises(OutputError, match="died 3 times in a row"):
         run_study(small_study(), tmp_path / "out", jobs=2, size=1)
     assert study_status(tmp_path / "out").done == 0
@@ -237,10 +237,10 @@ def _alive(process: int) -> bool:
 @pytest.mark.thorough
 def test_a_process_of_a_study_reads_only_what_it_runs_with() -> None:
     """Statistics and figures are of what is drawn from a study; they take longer to read."""
-    code = f"import sys, {HERE}; print(*sys.modules)"
+    code = f"import sys, {PRELOADED}; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
-    assert HERE in loaded
+    assert PRELOADED in loaded
     assert not loaded & {"scipy.stats", "scipy.optimize", "matplotlib", "distributed"}
 
 

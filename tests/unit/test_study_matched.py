@@ -3,6 +3,7 @@
 import json
 import pickle
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from thermobearing.motions.matching import LARGEST_MISFIT, misfit
 from thermobearing.motions.targets import STANDARD_NAMES, load_spectrum, standard_spectrum
 from thermobearing.studies.definition import motions
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.engine import forecast, repeat_run, run_study, study_status
 from thermobearing.studies.run.prepare import Preparer
@@ -61,7 +62,7 @@ def matched(motion: dict[str, Any] | None = None, **changes: Any) -> Study:
 
 def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
     study = matched()
-    runs = plan(study)
+    runs = Plan(study).runs
     assert runs["motion"].tolist() == [NAMES[0]] * 2 + [NAMES[1]] * 2
     assert runs["id"].is_unique
     for motion in motions.factor_motions(study.factors.motion):
@@ -69,7 +70,7 @@ def test_motions_fit_and_are_the_levels(fits: "Counter[str]") -> None:
         error = misfit(motion, lambda t: standard_spectrum("II", "II", t))
         assert error <= LARGEST_MISFIT
     assert fits == dict.fromkeys(NAMES, 1)
-    assert plan(matched()).equals(runs)  # from the cache
+    assert Plan(matched()).runs.equals(runs)  # from the cache
     assert fits == dict.fromkeys(NAMES, 1)
 
 
@@ -117,7 +118,7 @@ def test_made_once_and_kept_in_the_directory(
     one, out = tmp_path / "one", tmp_path / "out"
     run_study(matched(), one, jobs=1, size=1)
     whole = kept(one)
-    assert set(motions._read_made(one / motions.MADE)) == {
+    assert set(motions._read_motions(one / motions.MOTIONS_FILE)) == {
         recipe.key for recipe in motions._recipes(_factor(FITS))
     }
     run_study(matched(), out, jobs=1, size=1, shard="1/2")
@@ -128,11 +129,13 @@ def test_made_once_and_kept_in_the_directory(
     assert kept(out) == whole
     # Read back, for one run in full or for figures: nothing is made, and the samples go with it.
     study = load_study(out / "study.toml")
-    rows = plan(study).to_dict("records")
+    rows = Plan(study).runs.to_dict("records")
     assert [row["id"] for row in rows] == Store(out).table()["id"].tolist()
-    (motion,) = Preparer(study).make_task(rows[3]).case.motions
+    (motion,) = Preparer(Plan(study)).make_task(rows[3]).case.motions
     assert motion.load().name == NAMES[1]
-    stored = motions._read_made(out / motions.MADE)[motions._recipes(_factor(FITS))[1].key]
+    stored = motions._read_motions(out / motions.MOTIONS_FILE)[
+        motions._recipes(_factor(FITS))[1].key
+    ]
     assert_array_equal(motion.acceleration, stored.acceleration)
     assert repeat_run(study, 3).table["motion"].tolist() == [NAMES[1]]
     assert fits == dict.fromkeys(NAMES, 1)
@@ -142,7 +145,7 @@ def test_workers_are_sent_what_was_made(tmp_path: Path) -> None:
     run_study(matched(), tmp_path / "two", jobs=2, size=1)
     two = kept(tmp_path / "two")
     study = motions.with_matched(matched())
-    sent = pickle.loads(packed(study))[0].factors.motion.matched_motions()
+    sent = pickle.loads(packed(Plan(study)))[0].study.factors.motion.matched_motions()
     for here, there in zip(motions.factor_motions(study.factors.motion), sent, strict=True):
         assert_array_equal(here.acceleration, there.acceleration)
     for file in (tmp_path / "cache").rglob("*.npz"):
@@ -174,22 +177,30 @@ def test_another_part_that_was_quicker_has_the_motions(
     monkeypatch.setattr(engine, "with_matched", late)
     assert run_study(matched(), out, jobs=1, shard="2/2").done > 0
     assert len(asked) > 1
-    assert plan(load_study(out / "study.toml"))["id"].tolist() != plan(matched())["id"].tolist()
+    assert (
+        Plan(load_study(out / "study.toml")).runs["id"].tolist()
+        != Plan(matched()).runs["id"].tolist()
+    )
 
 
 def test_a_damaged_copy_is_made_again(tmp_path: Path, fits: "Counter[str]") -> None:
     out = tmp_path / "out"
     run_study(matched(), out, jobs=1)
-    raw = (out / motions.MADE).read_bytes()
+    raw = (out / motions.MOTIONS_FILE).read_bytes()
     for content in (raw[: len(raw) // 2], b"", b"nothing", raw[:-400] + bytes(400)):
-        (out / motions.MADE).write_bytes(content)
-        assert motions._read_made(out / motions.MADE) == {}
+        (out / motions.MOTIONS_FILE).write_bytes(content)
+        assert motions._read_motions(out / motions.MOTIONS_FILE) == {}
         assert run_study(matched(), out, jobs=1).outcome == "completed"
     assert fits == dict.fromkeys(NAMES, 1)
 
 
 def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
-    for start in (plan, forecast, lambda study: run_study(study, tmp_path / "out", jobs=1)):
+    starts: tuple[Callable[[Study], Any], ...] = (
+        lambda study: Plan(study).runs,
+        forecast,
+        lambda study: run_study(study, tmp_path / "out", jobs=1),
+    )
+    for start in starts:
         with pytest.raises(InputError) as caught:
             start(matched(FITS | {"tolerance": 0.001}))
         text = str(caught.value)
@@ -197,7 +208,7 @@ def test_what_does_not_fit_is_named_and_nothing_is_left(tmp_path: Path) -> None:
         assert "ground II, c_z = 1, more than 0.1 %" in text
         assert "tolerance = 0.0" in text
     assert [path.name for path in tmp_path.iterdir()] == ["cache"]
-    assert len(plan(matched(FITS | {"tolerance": 0.05}))) == 4
+    assert len(Plan(matched(FITS | {"tolerance": 0.05})).runs) == 4
 
 
 def test_words_are_refused_before_anything_is_made(tmp_path: Path, fits: "Counter[str]") -> None:
@@ -215,7 +226,7 @@ def test_a_dry_run_makes_one_motion(tmp_path: Path, fits: "Counter[str]") -> Non
     assert found.motion_seconds > 0.0
     assert found.whole_seconds > found.motion_seconds
     assert fits == {NAMES[0]: 1}
-    plan(matched())
+    assert len(Plan(matched()).runs)
     assert forecast(matched()).motions == 0
     # Looking at a study makes none at all.
     file = tmp_path / "study.toml"

@@ -1,27 +1,34 @@
 """What a study found: numbers, curves, figures, answers to questions, documents."""
 
 import json
+import re
 import shlex
 import shutil
 import tomllib
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
 import thermobearing as tb
+import thermobearing.studies.figures as figures
+from tests.quick import quick_cases
 from tests.unit.inputs import assert_refused
+from thermobearing.bearing.model import TemperatureLaw
 from thermobearing.border.errors import InputError
 from thermobearing.commands.study import studies as app
 from thermobearing.earthquake.run import run_task
 from thermobearing.loading import load_result
+from thermobearing.results import drawing
+from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import AMBIENT, Plan
 from thermobearing.studies.report import _input_tables, build_pieces, result_tables
 from thermobearing.studies.result import (
     Question,
@@ -58,7 +65,7 @@ SPREAD = {"distribution": "lognormal", "median": 1.0, "cov": 0.2}
 def made_up() -> StudyResult:
     """Ductility by a formula: more in the cold, twice as much more with the first bearing."""
     study = make_study({"kind": "study", "name": "p1", "factors": FACTORS}, "test")
-    runs = plan(study)
+    runs = Plan(study).runs
     rng = np.random.default_rng(1)
     of_motion = dict(zip(MOTIONS, np.exp(rng.normal(0.0, 0.35, len(MOTIONS))), strict=True))
     cold = np.where(runs["bearing"] == "shen-hdr-bridge", 0.012, 0.006)
@@ -119,6 +126,52 @@ def test_very_many_motions_and_numbers_are_reported_in_short() -> None:
     rows = {row[0]: row[2] for row in reported.rows}
     assert rows["motion"].endswith("m10, m11 and 28 more")
     assert rows["scale"] == "1 to 20, 20 values"
+
+
+def test_the_inputs_state_what_all_runs_share() -> None:
+    whole = made_up()
+    cold = np.where(np.arange(whole.runs) % 2, -21.5, 17464.0)
+    table = whole.table.assign(ambient_degC=cold, motion="only")
+    result = StudyResult(table, whole.study, {})
+    tables = _input_tables(result)
+    shared = dict(tables["constant"].rows)
+    assert shared["structure"] == whole.study.factors.structure.levels[0].name
+    assert not shared.keys() & {row[0] for row in tables["factors"].rows}
+    (values,) = [row[2] for row in tables["factors"].rows if row[0] == "ambient temperature"]
+    assert set(values.split(", ")) == {"\N{MINUS SIGN}21.5", "17464"}
+
+
+def test_runs_outside_the_calibration_range_are_counted_for_each_bearing() -> None:
+    """Chambers are held within 2 K and strains within 2 %, so that -21.5 degC is inside."""
+    whole = made_up()
+    colder = np.arange(whole.runs) % 4
+    strain = np.where(np.arange(whole.runs) % 8 == 1, 2.6, 2.54)
+    table = whole.table.assign(ambient_degC=np.where(colder == 0, -23.0, -21.5))
+    hdr = (table["bearing"] == "shen-hdr-bridge").to_numpy()
+    counts = int((hdr & (colder == 0)).sum()), int((hdr & (strain == 2.6)).sum())
+    strained = table.assign(bearing_strain_max=strain)
+    result = StudyResult(strained, whole.study, {"runs": whole.runs})
+    (sentence,) = [text for text in result.warnings if text.startswith("shen-hdr-bridge: ")]
+    numbers = [int(text) for text in re.findall(r"(\d+) (?:runs|outside|above)", sentence)]
+    assert numbers == [hdr.sum(), *counts]
+    inside = table.assign(ambient_degC=-21.5, bearing_strain_max=2.54)
+    kept = StudyResult(inside, whole.study, {"runs": whole.runs})
+    assert not [text for text in kept.warnings if "shen-hdr-bridge" in text]
+
+
+def test_a_law_of_the_user_is_stated_and_asked_for_by_the_commands() -> None:
+    whole = made_up()
+    (bearing, *others) = whole.study.factors.bearing.levels
+    assert not any("--law" in command for command in whole.worst()["command"])
+    law = TemperatureLaw.model_construct(law="arrhenius@12345678", parameters={"elastic": 310.0})
+    named = bearing.model_copy(update={"temperature_law": law})
+    levels = whole.study.factors.bearing.model_copy(update={"levels": [named, *others]})
+    factors = whole.study.factors.model_copy(update={"bearing": levels})
+    study = whole.study.model_copy(update={"factors": factors})
+    result = StudyResult(whole.table, study, whole.manifest, "out/p1")
+    assert all("--law" in command for command in result.worst()["command"])
+    shared = dict(_input_tables(result)["constant"].rows)
+    assert shared[f"law of {bearing.name}"] == "arrhenius@12345678 elastic = 310.0"
 
 
 def test_curves_of_one_bearing_only() -> None:
@@ -202,6 +255,120 @@ def test_every_figure_reports_failed_runs() -> None:
         ask(made_up(), hazard=HAZARD).plot.draw_all()
 
 
+def beyond_limit() -> StudyResult:
+    """Study whose failed runs are those of a pier beyond its limits, which count as collapse."""
+    result = made_up()
+    outcome = result.table["outcome"].replace("not_converged", "pier_beyond_limit")
+    table = result.table.assign(outcome=outcome)
+    return StudyResult(table, result.study, result.manifest, "out/p1")
+
+
+def legend_labels(figure: Figure) -> list[str]:
+    (legend,) = figure.legends
+    return [text.get_text().split(",")[0] for text in legend.get_texts()]
+
+
+def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
+    """Where runs fail at every temperature, no mean is finite; at all but one, it is a mark."""
+    table = made_up().demand()
+    draw = partial(study_figures._draw_demand, result=made_up(), across=AMBIENT, note="")
+    assert "mean" in legend_labels(draw(table))
+    table["mean"] = [1.0, *[np.inf] * (len(table) - 1)]  # in the first of two panels
+    figure = draw(table)
+    lines = {str(line.get_label()).split(",")[0]: line for line in figure.axes[0].lines}
+    assert lines["mean"].get_marker() == "_"
+    table[["mean", "0.95"]] = np.inf
+    labels = legend_labels(draw(table))
+    assert "mean" not in labels
+    assert "5 to 95 %" not in labels
+    assert "16 to 84 % of runs" in labels
+
+
+def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -> None:
+    shares = made_up().variance()
+    plain, doubtful = (
+        study_figures._draw_variance(shares.assign(share=shares["share"] - shift), "pier_ductility")
+        for shift in (0.0, shares["share"].min() + 0.1)
+    )
+    assert "paired" not in plain.get_supxlabel()
+    assert f"{shares['left_out'].iloc[0]} failed" in plain.get_supxlabel()
+    assert plain.axes[0].get_xlabel() == "share of the variance [%]"
+    assert "paired" in doubtful.get_supxlabel()
+
+
+def test_collapses_leave_shares_of_the_variance_and_are_stated_once() -> None:
+    """They have no number: shares of all factors were NaN, and the figure an empty frame."""
+    result = beyond_limit()
+    found = result.variance()
+    assert_allclose(found["share"], made_up().variance()["share"])
+    assert (found["left_out"] == result.failed).all()
+    assert drawing.holds_data(result.plot.variance())
+    (sentence,) = result.warnings
+    assert sentence.count(f"{result.failed} of {result.runs} runs failed") == 1
+    assert sentence != made_up().warnings[0]
+
+
+def test_the_median_of_the_demand_is_inside_its_panel() -> None:
+    """Also where so many runs collapse that the upper fractiles are infinite."""
+    result = ask(made_up(), capacity=1e-6)
+    demand = result.demand()
+    collapsed = demand.assign(**{"0.84": np.inf, "0.95": np.inf, "mean": np.inf})
+    for ax in figures._draw_demand(collapsed, result, "ambient_degC", "").axes:
+        assert ax.get_ylim()[1] > demand["0.5"].max()
+
+
+def test_bands_and_marks_of_figures_with_collapses_have_their_words() -> None:
+    result = ask(beyond_limit(), capacity=1.0)
+    (legend,) = result.plot.demand().legends
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert any("5 %" in label and "failed" in label for label in labels)
+    assert not any("failed" in text.get_text() for text in made_up().plot.demand().legends[0].texts)
+    part = result.parts()["shen-hdr-bridge"]
+    for capacity, marked in ((1.0, True), (0.01, False)):  # the panel ends at 4 times the capacity
+        figure = ask(part, capacity=capacity).plot.ida()
+        marks = [line for ax in figure.axes for line in ax.lines if line.get_marker() == "x"]
+        words = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert bool(marks) == ("last before collapse" in words) == marked
+        right = figure.axes[0].get_xlim()[1]
+        assert all((np.asarray(line.get_xdata()) <= right).all() for line in marks)
+
+
+def test_classes_of_temperatures_have_colours_from_cold_to_warm() -> None:
+    names = ["-25 to -13 °C", "-13 to 0 °C", "0 to 10 °C", "10 to 25 °C"]
+    colours = study_figures._level_colours(names)
+    assert colours == study_figures._level_colours([-20.0, -5.0, 5.0, 20.0])
+    assert study_figures._level_colours([20.0, -20.0]) == [colours[3], colours[0]]
+
+
+def test_a_note_on_a_fragility_lies_above_its_panel() -> None:
+    (ax,) = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"].plot.fragility().axes
+    assert "left out" in ax.get_title(loc="left")
+    assert not [text for text in ax.texts if text.get_text()]
+
+
+def test_too_few_motions_or_levels_are_said_instead_of_numbers() -> None:
+    part = ask(made_up(), capacity=1.0, hazard=HAZARD).parts()["shen-hdr-bridge"]
+    four = part.select(motion=MOTIONS[:4])
+    tables, usual = result_tables(four), result_tables(part)
+    for name, ends in (("fragility", ("low", "high")), ("rates", ("low", "high"))):
+        heads = [column.title for column in tables[name].columns]
+        for row, text in zip(tables[name].texts(), usual[name].texts(), strict=True):
+            for head, cell, number in zip(heads, row, text, strict=False):
+                banded = any(word in head.split() for word in ends)
+                assert (cell == "too few") == banded, head
+                assert number != "too few"
+    (ax,) = four.plot.fragility().axes
+    assert not [line for line in ax.lines if line.get_linestyle() == ":"]
+    curves, rates = four.find_rates()
+    assert all(rate.few_motions for rate in rates.values())
+    assert all(curve.few_motions for curve in curves.values())
+    # A median beyond the largest intensity is no result, whatever the number of motions.
+    high = ask(part.select(scale=[0.25, 0.5]), capacity=0.8)
+    curves, _ = high.find_curves()
+    assert [bool(curve.beyond_levels) for curve in curves.values()] == [False, True, False]
+    assert "too few" in [cell for row in result_tables(high)["fragility"].texts() for cell in row]
+
+
 def test_temperatures_are_apart_in_figures_of_fragility() -> None:
     """Each has its panel of IDA curves, and its marks beside those of the others."""
     part = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"]
@@ -239,7 +406,7 @@ def drawn(**design: Any) -> StudyResult:
     design = {"kind": "monte-carlo", "samples": 32} | design
     table = {"kind": "study", "name": "drawn", "factors": factors, "design": design}
     study = make_study(table, "test")
-    runs = plan(study)
+    runs = Plan(study).runs
     cold = np.exp(0.012 * (23.0 - runs["ambient_degC"])) * runs["bearing.K_r"]
     noise = np.exp(np.random.default_rng(4).normal(0.0, 0.3, len(runs)))
     demand = runs["PGA_m_s2"] / 8.0 * cold * noise
@@ -247,12 +414,12 @@ def drawn(**design: Any) -> StudyResult:
     return StudyResult(runs, study, {"runs": len(runs)}, "out/drawn")
 
 
-@pytest.mark.parametrize("method", ["stripes", "cloud"])
+@pytest.mark.parametrize("method", quick_cases(["stripes", "cloud"], 1))
 def test_draws_of_each_run_have_fragility_and_rates_and_no_ida(method: Any) -> None:
     result = ask(drawn(paired=False), capacity=1.0, method=method, hazard=HAZARD)
     assert list(result.plot.draw_all()) == ["demand", "variance", "fragility", "rates"]
     assert {"fragility", "rates"} <= set(result_tables(result))
-    assert any("paired = true" in text for text in result.warnings)
+    assert not any("paired = true" in text for text in result.warnings)
     with pytest.raises(InputError):
         ask(result, capacity=1.0, method="ida").find_curves()
     assert drawn(paired=True).has_ida
@@ -278,10 +445,18 @@ def test_indices_over_a_climate_name_the_temperature() -> None:
     design = {"kind": "sobol", "samples": 16, "arrangement": "saltelli"}
     table = {"kind": "study", "name": "sobol", "factors": one, "design": design}
     study = make_study(table, "test")
-    runs = plan(study)
+    runs = Plan(study).runs
     runs = runs.assign(outcome="completed", pier_ductility=runs["bearing.K_r"])
     result = StudyResult(runs, study, {"runs": len(runs)})
     assert result.variance()["factor"].tolist() == ["ambient_degC", "bearing.K_r"]
+    assert not any("Sobol" in sentence for sentence in result.warnings)
+    # Two motions have each sample twice: shares are of another kind, and the result says so.
+    crossed = make_study(table | {"factors": one | {"motion": MOTIONS[:2]}}, "test")
+    runs = Plan(crossed).runs.assign(outcome="completed")
+    runs = runs.assign(pier_ductility=runs["bearing.K_r"])
+    several = StudyResult(runs, crossed, {"runs": len(runs)})
+    assert any("Sobol" in sentence for sentence in several.warnings)
+    assert "interaction and rest" in several.variance()["factor"].tolist()
 
 
 def test_tables_say_their_units() -> None:
@@ -382,6 +557,7 @@ def test_a_document_answers(directory: Path) -> None:
     assert "Shares of the variance" in page
 
 
+@pytest.mark.thorough
 def test_figures_by_the_command(directory: Path) -> None:
     words = ["figures", directory, "--demand", "bearing_strain_max", "--capacity", CAPACITY]
     status, said = run([*words, "--hazard", directory.parent / "site.csv", "--json"])
@@ -406,6 +582,7 @@ def test_figures_of_a_paper_by_the_command(directory: Path) -> None:
     assert "figure-width" in said
 
 
+@pytest.mark.thorough
 def test_worst_and_repeat_by_the_command(directory: Path, tmp_path: Path) -> None:
     words = ["worst", directory, "--count", 2, "--demand", "bearing_strain_max", "--json"]
     status, said = run(words)
@@ -454,8 +631,8 @@ TABLE = {
 
 def test_a_run_again_has_the_same_bits_and_is_what_bridge_does() -> None:
     study = make_study(TABLE, "test")
-    row = plan(study).to_dict("records")[3]
-    history = run_task(Preparer(study).make_task(row))
+    row = Plan(study).runs.to_dict("records")[3]
+    history = run_task(Preparer(Plan(study)).make_task(row))
     again = repeat_run(study, 3)
     moved = again.dataset["bearing_displacement"].values[0]
     assert np.array_equal(moved, history.bearing(0)["displacement"][::2].astype(moved.dtype))

@@ -2,6 +2,8 @@
 
 import json
 import pickle
+import re
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +25,11 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.climate.generator import generate_weather
 from thermobearing.core.lanes.memory import WIDTH
 from thermobearing.earthquake.measures import COLUMNS
-from thermobearing.studies.definition import record
+from thermobearing.studies.definition import designs, record
 from thermobearing.studies.definition.case import load_study, make_study
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.record import Study
+from thermobearing.studies.result import study_result
 from thermobearing.studies.run.engine import (
     Pace,
     _only_writer,
@@ -55,7 +58,7 @@ PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 def test_numbers_are_those_of_an_earthquake_analysis() -> None:
     """Every column that `bridge` has too, to the last bit, and its energy balance."""
     study = small_study({"duration": "3 s"}, bearing=["shen-lhdr-bridge", "shen-bilinear-bridge"])
-    found = run_shard(study, plan(study))
+    found = run_shard(Plan(study), Plan(study).runs)
     found = found[found["scale"] == 1.0].reset_index(drop=True)
     names = ["shen-lhdr-bridge", "shen-bilinear-bridge"]
     whole = tb.bridge(names, "jra-ii-i-1", [23.0, -20.0], duration=3.0, keep=tb.Keep(every=1))
@@ -114,7 +117,7 @@ def test_table_is_the_plan_with_results_whatever_the_shards(
     run_study(study, tmp_path / "large", jobs=1)
     one, other = Store(small_done).table(), Store(tmp_path / "large").table()
     pd.testing.assert_frame_equal(one, other)
-    runs = plan(study)
+    runs = Plan(study).runs
     for name in runs:
         assert one[name].tolist() == runs[name].tolist()
     assert Store(small_done).table(["run", "outcome"]).shape == (8, 2)
@@ -154,6 +157,20 @@ def test_a_changed_file_is_refused(tmp_path: Path) -> None:
         run_study(small_study(**table), tmp_path / "out", jobs=1)
 
 
+def test_an_edited_study_is_refused(small_done: Path) -> None:
+    """Its results are those of the text before: reading and repeating name the key."""
+    path = small_done / "study.toml"
+    before = path.read_text()
+    name = 'name = "edited"'
+    path.write_text(re.sub("^name = .*$", name, before, count=1, flags=re.MULTILINE))
+    assert path.read_text() != before
+    for read in (study_result, lambda folder: stores.Store(folder).study()):
+        with pytest.raises(InputError, match=r"study\.toml: was edited .* name = 'edited', was "):
+            read(small_done)
+    path.write_text(before)
+    assert stores.Store(small_done).study().to_toml() == before
+
+
 def test_another_version_is_refused(small_done: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stores, "kernels_digest", lambda: "other")
     with pytest.raises(InputError, match=r"kernels .* now other"):
@@ -167,7 +184,8 @@ def test_directories_of_others_are_left_alone(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"manifest\.json"):
         study_status(tmp_path)
     whole = {"kind": "study", "format": 1, "runs": 8, "_shard_size": 0, "versions": {}, "input": ""}
-    for content in ({"kind": "study"}, whole):
+    unnamed = whole | {"shard_size": 8, "versions": {"numpy": "2"}}
+    for content in ({"kind": "study"}, whole, unnamed):
         (tmp_path / "manifest.json").write_text(json.dumps(content))
         with pytest.raises(InputError, match="damaged"):
             study_status(tmp_path)
@@ -359,14 +377,34 @@ def test_a_log_that_cannot_be_written_stops_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
+def test_a_study_is_planned_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: Counter[str] = Counter()
+
+    def count(name: str) -> None:
+        function = getattr(designs, name)
+
+        def counted(*words: Any) -> Any:
+            calls[name] += 1
+            return function(*words)
+
+        monkeypatch.setattr(designs, name, counted)
+
+    study = small_study({"duration": "1 s"}, **{"bearing.K_r": {"of": "factor", "levels": [1, 2]}})
+    steps = ("find_target", "_list_columns", "_picked", "_with_ids")
+    for name in steps:
+        count(name)
+    run_study(study, tmp_path / "study", jobs=1)
+    assert calls == dict.fromkeys(steps, 1)
+
+
 def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
     """All columns but those of rounding itself; in any company, to the last bit."""
     study = small_study({"duration": "4 s"}, bearing=["shen-lhdr-bridge"])
     side = study.design.model_copy(update={"lockstep": True})
     study = study.model_copy(update={"design": side})
     alone = study.model_copy(update={"design": side.model_copy(update={"lockstep": False})})
-    rows = plan(study)
-    together, one_by_one = run_shard(study, rows), run_shard(alone, rows)
+    rows = Plan(study).runs
+    together, one_by_one = run_shard(Plan(study), rows), run_shard(Plan(alone), rows)
     for column in RESULT_COLUMNS:
         if column in ROUNDING:
             off = together[column] - one_by_one[column]
@@ -380,7 +418,7 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
             assert_allclose(together[column], given, rtol=tol.LANE_PEAK, err_msg=column)
         else:
             assert_array_equal(together[column], one_by_one[column])
-    backwards = run_shard(study, rows.iloc[[3, 1]])
+    backwards = run_shard(Plan(study), rows.iloc[[3, 1]])
     for name in together:
         assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)
 
@@ -390,9 +428,9 @@ def test_outcomes_in_lockstep_are_those_of_runs_alone(monkeypatch: pytest.Monkey
     """A bearing that tears, one without lead; nothing is run alone that does not need it."""
     study = small_study({"duration": "4 s"}, bearing=["shen-hdr-bridge"], scale=[0.5, 80.0])
     side = study.design.model_copy(update={"lockstep": True})
-    alone = run_shard(study, plan(study))
+    alone = run_shard(Plan(study), Plan(study).runs)
     monkeypatch.setattr(peaks, "run_task", None)
-    together = run_shard(study.model_copy(update={"design": side}), plan(study))
+    together = run_shard(Plan(study.model_copy(update={"design": side})), Plan(study).runs)
     assert alone["outcome"].tolist() == ["completed"] * 2 + ["not_physical"] * 2
     assert together["outcome"].tolist() == alone["outcome"].tolist()
     assert together["lead_max_degC"].isna().all()
@@ -427,14 +465,14 @@ def weathered(town: Path, kind: str = "all weather before") -> Study:
     return make_study(table | {"factors": factors}, "study.toml")
 
 
-@pytest.mark.parametrize("kind", quick_cases(KINDS, 1, 3))
+@pytest.mark.parametrize("kind", quick_cases(KINDS, 3))
 def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> None:
     study = weathered(town, kind)
-    runs = plan(study)
-    alone, first, worker = (Preparer(study) for _ in range(3))
-    first.foresee(runs)
-    warm = first.foreseen_temperatures(runs.iloc[2:8])
-    worker.take(pickle.loads(pickle.dumps(warm)))
+    runs = Plan(study).runs
+    alone, first, worker = (Preparer(Plan(study)) for _ in range(3))
+    first.compute_temperatures(runs)
+    warm = first.select_temperatures(runs.iloc[2:8])
+    worker.use_temperatures(pickle.loads(pickle.dumps(warm)))
     for row in runs.iloc[1:8].to_dict("records"):  # the first is foreseen by nobody
         one, other, third = (prep.make_task(row).reported for prep in (alone, first, worker))
         assert_array_equal(one.temperature, other.temperature)
@@ -442,7 +480,7 @@ def test_what_was_foreseen_is_what_a_run_finds_alone(kind: str, town: Path) -> N
         assert one.lead == other.lead == third.lead
 
 
-@pytest.mark.parametrize("kind", quick_cases(KINDS, 0, 2))
+@pytest.mark.parametrize("kind", quick_cases(KINDS, 0))
 def test_weather_is_read_and_gone_through_once(
     kind: str, town: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -466,6 +504,7 @@ def test_weather_is_read_and_gone_through_once(
     assert (len(counted), len(through)) == (1, 0)
 
 
+@pytest.mark.thorough
 def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
     """Neither its file nor its hours are sent; the bits are those of one process."""
     studies = [weathered(town) for _ in range(2)]
@@ -476,16 +515,16 @@ def test_workers_need_no_weather(town: Path, tmp_path: Path) -> None:
     run_study(studies[1], tmp_path / "two", jobs=2, size=2)
     assert kept(tmp_path / "one") == kept(tmp_path / "two")
     assert set(Store(tmp_path / "two").table()["outcome"]) == {"completed"}
-    assert pickle.loads(packed(studies[0]))[0].factors.ambient._series is None
+    assert pickle.loads(packed(Plan(studies[0])))[0].study.factors.ambient._series is None
     assert studies[0].factors.ambient._series is not None
 
 
 def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
     study = weathered(town)
-    runs = plan(study)
-    preparer = Preparer(study)
-    preparer.foresee(runs)
-    warm = preparer.foreseen_temperatures(runs.iloc[:4])
+    runs = Plan(study).runs
+    preparer = Preparer(Plan(study))
+    preparer.compute_temperatures(runs)
+    warm = preparer.select_temperatures(runs.iloc[:4])
     assert warm is not None
     assert warm.weather is None
     hours = [hours.tolist() for hours, _ in warm.soaked.values()]
@@ -498,9 +537,10 @@ def test_a_shard_is_sent_its_own_hours(town: Path) -> None:
         },
         "study.toml",
     )
-    assert Preparer(plain).foreseen_temperatures(plan(plain)) is None
+    assert Preparer(Plan(plain)).select_temperatures(Plan(plain).runs) is None
 
 
+@pytest.mark.thorough
 def test_lines_with_a_bearing_of_their_own_are_foreseen(
     town: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -510,9 +550,9 @@ def test_lines_with_a_bearing_of_their_own_are_foreseen(
     factors = {"bearing": BEARINGS[1:], "motion": "jra-ii-i-1", "structure": str(structure)}
     table = {"case": case, "design": FEW, "factors": factors | {"ambient": {"weather": str(town)}}}
     study = make_study({"kind": "study", "name": "two"} | table, "study.toml")
-    runs = plan(study)
-    alone, first = Preparer(study), Preparer(study)
-    first.foresee(runs)
+    runs = Plan(study).runs
+    alone, first = Preparer(Plan(study)), Preparer(Plan(study))
+    first.compute_temperatures(runs)
     expected = [alone.make_task(row).lines for row in runs.to_dict("records")]
     monkeypatch.setattr(warmth, "soaked_hours", divmod)  # nothing is left to be found
     for row, lines in zip(runs.to_dict("records"), expected, strict=True):

@@ -15,7 +15,8 @@ from thermobearing.earthquake.run import build_device
 from thermobearing.model.options import ModelOptions, Side, build_model, outdoors
 from thermobearing.model.stack import EndFace, film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import list_targets, moves_warmth
+from thermobearing.studies.definition.designs import Plan
+from thermobearing.studies.definition.targets import affects_rest_temperature
 from thermobearing.studies.result import Question, StudyResult
 from thermobearing.studies.run.prepare import _thermal_key
 
@@ -63,8 +64,10 @@ def test_keys_of_the_user_count(night: str) -> None:
     assert exchange(make_weather_study(TOWN, analysis=given).case) == expected
     windy = {name: EndFace(film=25.0) for name in ("upper_face", "lower_face")}
     sheltered, wind = (
-        tb.bearing_weather("shen-hdr-bridge", tb.Hourly([0.0, -9.0, -9.0]), **more)
-        for more in ({}, windy)
+        tb.bearing_weather(
+            "shen-hdr-bridge", tb.Hourly([0.0, -9.0, -9.0]), model=ModelOptions(**faces)
+        )
+        for faces in ({}, windy)
     )
     assert wind["rubber_degC"].iloc[-1] < sheltered["rubber_degC"].iloc[-1] < -1.0
 
@@ -131,9 +134,7 @@ def test_books_close_with_masses_and_cover() -> None:
         test,
         ambient=-10,
         initial=5.0,
-        upper_face=face,
-        lower_face=face,
-        side=side,
+        model=tb.ModelOptions(upper_face=face, lower_face=face, side=side),
     )
     data = result.dataset.isel(ambient=0, time=-1)
     balance = data["heat_released"] - data["heat_stored"] - data["heat_lost_ends"]
@@ -175,7 +176,7 @@ def test_side_is_part_of_how_a_bearing_takes_on_warmth(night: str) -> None:
     factors["case.analysis.side.film"] = drawn
     table = {"kind": "study", "name": "s", "factors": factors}
     study = make_study(table | {"design": {"kind": "monte-carlo", "samples": 2}}, "test")
-    assert [moves_warmth(target) for target in list_targets(study)] == [True]
+    assert [affects_rest_temperature(target) for target in Plan(study).targets] == [True]
 
 
 def test_report_and_result_tell_the_exchange(night: str) -> None:
@@ -204,7 +205,7 @@ def test_a_climate_beside_levels_counts_the_temperature_of_the_rubber() -> None:
     layered, bilinear = (
         StudyResult(rows.iloc[[k]], study, {}, question=question)._rubber() for k in range(2)
     )
-    known = tb.bearing_weather("shen-hdr-bridge", weather, side=Side(film=25.0))
+    known = tb.bearing_weather("shen-hdr-bridge", weather, model=ModelOptions(side=Side(film=25.0)))
     np.testing.assert_array_equal(layered, known["rubber_degC"])
     np.testing.assert_array_equal(bilinear, weather.temperature)
     assert np.min(layered) > np.min(weather.temperature) + 2.0

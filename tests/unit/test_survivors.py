@@ -11,9 +11,9 @@ import thermobearing as tb
 from tests.unit.inputs import command
 from thermobearing.border.toml import to_table
 from thermobearing.climate.generator import MONTH_OF, ColdSpells, _spell_rate
-from thermobearing.cyclic.reported import model_assumptions
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.dataset import INTERRUPTED, _interrupted
+from thermobearing.reported import model_assumptions
 from thermobearing.results.selection import gridded
 from thermobearing.sequences import run as sequences
 

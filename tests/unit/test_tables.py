@@ -157,7 +157,7 @@ def test_blocks_of_one_file(tmp_path: Path) -> None:
     assert on.time[4] == 60.0
     anew = load_test(lies(tmp_path, blocks(0.0), "anew.csv"))
     assert anew.time[4] == 4.0
-    assert any("no pause assumed" in text for text in anew.assumptions)
+    assert any("rest_before" in text for text in anew.assumptions)
     parts = '{ file = "anew.csv", part = 1 }, { file = "anew.csv", part = 2, rest_before = "1 h" }'
     rested = load_test(
         lies(tmp_path, blocks(0.0), "anew.csv", f'blocks = [{parts}]\nambient = "0 degC"')
@@ -272,6 +272,19 @@ def test_encodings_and_line_ends(tmp_path: Path, encoding: str, end: str) -> Non
     assert data == {"time": [0.0, 1.0], "displacement": [0.0, 5.0]}
 
 
+@pytest.mark.parametrize(
+    ("title", "encoding"),
+    [
+        *((title, "cp1252") for title in ("Kräfte", "Fläche mm²", "mesuré “à côté”", "Weg–Kraft")),
+        *((title, "cp932") for title in ("変位", "力 (kN)", "温度 ℃", "面圧", "ﾋｽﾃﾘｼｽ")),
+    ],
+)
+def test_japanese_and_western_titles_are_read(tmp_path: Path, title: str, encoding: str) -> None:
+    raw = f"time_s;{title}\n0;0\n1;1\n".encode(encoding)
+    (sheet,) = read_sheets(lies(tmp_path, raw))
+    assert sheet.rows[0][1][1] == title
+
+
 def test_column_in_the_wanted_unit_comes_first(tmp_path: Path) -> None:
     """Converted twice by the laboratory, rounded once: the column that needs no conversion."""
     data = write_and_read(tmp_path, "force_tonf,force_kN\n1,9.8\n2,19.6\n", {"force": "kN"})
@@ -378,7 +391,7 @@ def test_broken_ambient_series(tmp_path: Path, content: str, pieces: list[str]) 
         ("displacement_mm,force_kN\n0,0\n1,x\n", ["line 3, force_kN"]),
         ("displacement_mm,force_mm\n0,0\n1,1\n", ['"mm"', "to kN"]),
         ("displacement_mm,force_kN\n0,0\n1,1\n2,2\n", ["no full cycle"]),
-        ("displacement_mm,force_kN\n0,0\n0,1\n0,2\n", ["no full cycle"]),
+        ("displacement_mm,force_kN\n0,0\n0,1\n0,2\n", ["displacement is constant"]),
     ],
     ids=["text", "unit of another kind", "no cycle", "no motion"],
 )
@@ -416,7 +429,7 @@ def command(*words: object) -> tuple[int, dict[str, Any]]:
 
 def test_every_command_takes_the_column_of_the_chamber(tmp_path: Path) -> None:
     file, out = laboratory(tmp_path / "lab.csv"), tmp_path / "out"
-    (taken,) = tb.take_in(file).files
+    (taken,) = tb.inspect_files(file).files
     record = load_test(file)
     assert record.ambient == taken.record.ambient == -20.0
     assert_allclose(record.force, FORCE, atol=tol.FOUR_DECIMALS)

@@ -10,7 +10,7 @@ from pandas.testing import assert_frame_equal
 
 import thermobearing as tb
 from thermobearing.cyclic.case import make_case
-from thermobearing.cyclic.dataset import POINTS, _rows_worth, expected_size, written_part
+from thermobearing.cyclic.dataset import POINTS, _rows_to_write, expected_size, written_part
 from thermobearing.results.drawing import thin_loops
 from thermobearing.results.metrics import find_cycles
 
@@ -42,7 +42,7 @@ def loaded(folder: Path) -> tb.Result:
 
 
 def test_rows_are_few_and_hold_what_turns(result: tb.Result) -> None:
-    rows = _rows_worth(result, 0)
+    rows = _rows_to_write(result, 0)
     segment, cycle = (result[name].values[0] for name in ("segment", "cycle"))
     for name in ("displacement", "force"):
         values = result[name].values[0]
@@ -126,7 +126,7 @@ def test_runs_with_clocks_of_their_own() -> None:
     assert_frame_equal(short.cycles, result.cycles, check_exact=True)
     assert_frame_equal(short.energy, result.energy, check_exact=True)
     for run in range(2):
-        rows = _rows_worth(result, run)
+        rows = _rows_to_write(result, run)
         assert_array_equal(short.time(run)[: len(rows)], result.time(run)[rows])
         assert (short["segment"].values[run, len(rows) :] == -1).all()
 

@@ -14,8 +14,8 @@ from tests import tolerances as tol
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import (
     LARGEST,
-    _converted,
-    _usual,
+    _common_factors,
+    _pint_conversion,
     conversion,
     is_number,
     number_list,
@@ -132,9 +132,9 @@ def test_a_unit_that_is_wanted_needs_no_pint(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_usual_units_are_as_pint_finds_them() -> None:
-    for target, units in _usual().items():
+    for target, units in _common_factors().items():
         for unit, factor in units.items():
-            assert (factor, 0.0) == _converted(unit, target), (unit, target)
+            assert (factor, 0.0) == _pint_conversion(unit, target), (unit, target)
 
 
 @pytest.mark.thorough

@@ -45,7 +45,7 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     firsts = [round(c.amplitude / RUBBER, 1) for c in fit.loops if c.number == 1]
     assert firsts == [0.2, 0.5, 1.0, 1.5]
     said = "\n".join(found.warnings)
-    for words in ("first cycles", "no time column", "no ambient temperature"):
+    for words in ("first cycles", "no column of time", "no ambient temperature"):
         assert words in said
     assert "first cycles" in found.warnings[0]  # the cause first, and none of its consequences
     assert len(found.warnings) <= 6  # one of them on m_T and n_T, which one temperature holds

@@ -101,7 +101,9 @@ def test_stiffness_and_damping_fall_with_strain_cycles_and_temperature() -> None
 
 def test_published_scheme_overheats_the_inner_layer(cold: tb.Result, measured: Recorder) -> None:
     """P1: shims receive twice what their neighbours lose, so the inside runs too hot."""
-    printed = tb.run("shen-hdr-specimen", PUBLISHED_TEST, ambient=-20, scheme="published")
+    printed = tb.run(
+        "shen-hdr-specimen", PUBLISHED_TEST, ambient=-20, model=tb.ModelOptions(scheme="published")
+    )
     rise = [float(r.cycles["rubber3_degC"].iloc[-1]) + 20.0 for r in (cold, printed)]
     excess = rise[1] / rise[0] - 1.0
     assert 0.10 < excess < 0.25

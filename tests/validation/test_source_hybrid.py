@@ -116,6 +116,33 @@ def test_energy_of_both_modes(eight: Evidence, two: Evidence, measured: Recorder
     assert sum(energy_signs(eight)) < 6
 
 
+def test_bearings_in_the_damping_matrix(eight: Evidence, measured: Recorder) -> None:
+    """Eq. 3.3 writes one [C]; with the stiffness of the bearings in it, everything moves farther.
+
+    Both matrices have 5 % in both modes. The dashpot between deck and ground is the smaller one,
+    since the dashpot across the bearings takes a part of the ratio of mode 1.
+    """
+    laboratory = {"mode": ["rt"]}
+    kind = "source-with-bearings"
+    result = tb.hybrid(None, None, AMBIENT, damping=kind, laboratory=laboratory, duration=20.0)
+    for column, what in (
+        ("bearing_strain_max", "strain of the bearings"),
+        ("pier_top_displacement_max_mm", "displacement of the pier top"),
+    ):
+        changes = []
+        for bearing in (HDR, LHDR):
+            rows = result.table[result.table["bearing"] == bearing]
+            values = rows.sort_values("ambient_degC", ascending=False)[column].to_numpy(dtype=float)
+            changes.append(100.0 * (values / eight.rows(bearing, "rt", column) - 1.0))
+        measured(
+            f"hybrid test, stiffness of the bearings in [C] (Eq. 3.3): {what}, change at 23, 0, "
+            "-20 degC, HDR; LHDR",
+            "; ".join(", ".join(f"{value:+.1f}" for value in change) for change in changes) + " %",
+            "reported",
+        )
+        assert np.all((np.array(changes) > 1.0) & (np.array(changes) < 20.0))
+
+
 def test_rate_dependent_share(eight: Evidence, two: Evidence, measured: Recorder) -> None:
     """5.4.2.1: larger in real time, smaller in the cold, and "over 75 %" where the pseudo-dynamic
     test begins. At the start the share is that of the stiffnesses, K_v of K_v + K_r/6 + 4 K_l."""

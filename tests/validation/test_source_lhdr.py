@@ -10,6 +10,7 @@ import thermobearing as tb
 from benchmarks.alternative_bearings import measures
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 
 AMBIENTS = [-20.0, 0.0, 23.0]
 BRIDGE_K_EQ = 2.5434  # Table 6.1, kN/mm
@@ -101,7 +102,7 @@ def test_what_the_thermocouple_in_the_lead_would_tell(ambient: float, measured: 
         return found
 
     default, other = rise("by default", confined), rise("touching the shims", touching)
-    printed = rise("as printed", confined, scheme="published")
+    printed = rise("as printed", confined, model=tb.ModelOptions(scheme="published"))
     assert default[4] > 2.5 * printed[4]
     assert np.abs(other - printed)[:5].max() < tol.LEAD_READING
     assert default[5] > 2.0 * other[5] > 4.0 * printed[5]
@@ -117,7 +118,7 @@ def test_lead_warms_the_end_plate_where_it_touches(result: tb.Result, measured: 
     steel = result["temperature"].values[0, end, :20]
     place = int(np.argmax(steel[:15]))
     assert place in (8, 9, 10)
-    printed = tb.run("shen-lhdr-specimen", ambient=-20.0, scheme="published")
+    printed = tb.run("shen-lhdr-specimen", ambient=-20.0, model=tb.ModelOptions(scheme="published"))
     theirs = printed["temperature"].values[0, end, :15]
     assert int(np.argmax(theirs)) == place
     text = f"{steel[place] + 20.0:.1f} K, {theirs.max() + 20.0:.1f} K"
@@ -171,13 +172,17 @@ def test_colder_is_stiffer_and_the_rate_share_smaller(result: tb.Result) -> None
 
 @pytest.mark.parametrize(
     ("name", "lead_in_range", "warmer", "within_rig"),
-    [
-        ("shen-lhdr-specimen", False, False, False),
-        ("shen-lhdr-in-touch", True, True, False),
-        ("shen-lhdr-softening", False, False, False),
-        ("shen-lhdr-table-4-2", False, False, True),
-        ("shen-lhdr-combined", True, True, False),
-    ],
+    quick_cases(
+        [
+            ("shen-lhdr-specimen", False, False, False),
+            ("shen-lhdr-in-touch", True, True, False),
+            ("shen-lhdr-softening", False, False, False),
+            ("shen-lhdr-table-4-2", False, False, True),
+            ("shen-lhdr-combined", True, True, False),
+        ],
+        1,
+        4,
+    ),
 )
 def test_what_alternative_bearings_meet(
     name: str, lead_in_range: bool, warmer: bool, within_rig: bool

@@ -1,4 +1,4 @@
-"""Frames of the tests: tables and scripts of OpenSees of the same models."""
+"""Frames of the tests: tables, and a model of OpenSees."""
 
 from pathlib import Path
 
@@ -40,45 +40,6 @@ A1;A1;D0;2;1,5
 P1;T1;D1;4;2,0
 P2;T2;D2;4;2,0
 A2;ground;D3;2;1,5
-"""
-PIER_TCL = """# A pier with a rigid footing, in kN and m
-wipe
-model BasicBuilder -ndm 2 -ndf 3
-set E 2.5e7 ;# kN/m2
-set I 1.503; set one 1
-node 7 0.0 -2.0; node 70 0 -2
-node 6 0 -1 -mass 227.5 227.5 876.8
-node 5 0 0
-node 4 0 3.75
-node 3 0 8.9
-node 2 0 10
-node 1 0 10
-fix 70 1 1 1
-fix 7 0 $one 0
-fix 1 0 0 1
-mass 4 206.3 206.3 0.0
-mass 3 140 140 0
-mass 1 400.0 400.0 0
-geomTransf Linear 1
-uniaxialMaterial Elastic 1 1.397e6
-uniaxialMaterial Elastic 2 1.725e6
-uniaxialMaterial Elastic 3 13076.5
-element zeroLength 10 70 7 -mat 1 -dir 1
-element zeroLength 11 70 7 -mat 2 -dir 3
-rigidLink beam 7 6
-rigidLink beam 7 5
-element elasticBeamColumn 1 5 4 12.0 $E $I 1 -mass 2.0
-element elasticBeamColumn 2 4 3 12.0 $E $I 1
-element elasticBeamColumn 3 3 2 \\
-    12.0 $E $I 1
-element zeroLength 20 2 1 -mat 3 -dir 1 -orient 1 0 0 0 1 0
-equalDOF 2 1 2
-pattern Plain 1 Linear {
-    load 1 1.0 0 0
-}
-for {set i 0} {$i < 3} {incr i} {
-    puts "a node $i"
-}
 """
 PIER_PYTHON = '''"""A pier: its nodes (in m), and no more."""
 import openseespy.opensees as ops
@@ -123,28 +84,27 @@ values = ops.eigen("-fullGenLapack", 4)
 '''
 
 
-def pier_script(force: float = 1.0, length: float = 1.0) -> str:
-    """Return a script of a pier on a rocking footing, in units of so many kN and m."""
-    mass, inertia, spring = force / length, force * length, force / length
-    own = 12.0 * length**2 / force
-    column = f"{8 / length**2!r}, {25e6 * length**2 / force!r}, {1.2 / length**4!r}"
+def rocking_pier_table(force: str = "kN", length: str = "m", scale: float = 1.0) -> str:
+    """Return the table of a pier on a footing that slides and rocks.
+
+    `scale`: of these units, kN or m in each, which must be the same for both (as 1000 N and mm).
+    """
+    squared, fourth = scale**2, scale**4
     lines = [
-        'ops.model("basic", "-ndm", 2, "-ndf", 3)',
-        f'ops.node(1, 0, 0, "-mass", {100 / mass!r}, 0, {500 / inertia!r})',
-        f"ops.node(2, 0, {6.0 / length!r})",
-        f"ops.node(3, 0, {6.0 / length!r})",
-        "ops.node(4, 0, 0)",
-        "ops.fix(4, 1, 1, 1)",
-        "ops.fix(1, 0, 1, 0)",
-        "ops.fix(3, 0, 1, 1)",
-        f"ops.mass(2, {150 / mass!r}, 0, 0)",
-        f"ops.mass(3, {600 / mass!r}, 0, 0)",
-        f'ops.uniaxialMaterial("Elastic", 1, {8e5 / spring!r})',
-        f'ops.uniaxialMaterial("Elastic", 2, {1.5e6 / inertia!r})',
-        f'ops.uniaxialMaterial("Elastic", 3, {2e4 / spring!r})',
-        'ops.element("zeroLength", 1, 4, 1, "-mat", 1, 2, "-dir", 1, 3)',
-        'ops.element("zeroLength", 2, 2, 3, "-mat", 3, "-dir", 1)',
-        f'ops.element("elasticBeamColumn", 3, 1, 2, {column}, 1, "-mass", {own!r})',
+        *("nodes", f"node,x [{length}],z [{length}],mass [t],inertia [t {length}^2]"),
+        f"1,0,0,124,{9000 * squared!r}",
+        f"2,0,{6 * scale!r},174,",
+        f"3,0,{6 * scale!r},600,",
+        *("members", f"from,to,E [{force}/{length}^2],A [{length}^2],I [{length}^4]"),
+        f"1,2,{25e6 * scale / squared!r},{8 * squared!r},{1.2 * fourth!r}",
+        *(
+            "supports",
+            f"node,x [{force}/{length}],z [{force}/{length}],rotation [{force} {length}/rad]",
+        ),
+        f"1,{8e5!r},fixed,{1.5e6 * squared!r}",
+        "3,,fixed,fixed",
+        *("bearings", f"bearing,lower,upper,count,stiffness [{force}/{length}]"),
+        f"G,2,3,1,{2e4!r}",
     ]
     return "\n".join(lines) + "\n"
 

@@ -96,6 +96,8 @@ SEALED = {
 def errors(case: Case, **options: Any) -> tuple[float, float]:
     """Largest error of the lead temperature at any time, and its largest rise [K].
 
+    `options` are fields of `ModelOptions`.
+
     The finite elements get the heat of our own run, so that only the heat flow is compared.
     """
     from tests.reference.fe_heat import FILM, FiniteElements, bearing_problem, released
@@ -113,9 +115,8 @@ def errors(case: Case, **options: Any) -> tuple[float, float]:
         case.bearing,
         tb.CyclicTest(dt=0.01, steps=steps),
         ambient=AMBIENT,
-        heat_source="work",
+        model=tb.ModelOptions(heat_source="work", **options),
         keep=("rubber", "layer_displacement", "cells"),
-        **options,
     )
     loading = case.count * case.period
     heating = (loading / 100.0, 100)

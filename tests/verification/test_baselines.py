@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from thermobearing.cyclic.case import make_case
 from thermobearing.cyclic.comparison import compare_models, comparison_table
 from thermobearing.cyclic.equivalent import backbone, bilinear_parameters
@@ -99,7 +100,7 @@ def test_single_temperature_is_low_inside_the_hdr_bearing(measured: Recorder) ->
     assert (found[LHDR] > 0.0).all()
 
 
-@pytest.mark.parametrize("name", [HDR, LHDR])
+@pytest.mark.parametrize("name", quick_cases([HDR, LHDR], 1))
 def test_comparison_has_every_model_and_temperature(name: str) -> None:
     case = make_case({}, "test", bearing=name, test=TEST, ambient=[-20.0, 23.0])
     results = compare_models(case)
@@ -113,6 +114,7 @@ def test_comparison_has_every_model_and_temperature(name: str) -> None:
     assert figure.axes[0].get_ylabel() == "error of outer layer [K]"
 
 
+@pytest.mark.thorough
 def test_a_model_that_ended_early_is_compared_as_far_as_it_got() -> None:
     """Lead of constant strength without losses melts in the last loading of Table 3.4."""
     results = compare_models(

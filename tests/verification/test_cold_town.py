@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pytest
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
@@ -10,7 +11,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.climate.generator import generate_weather
 from thermobearing.studies.definition.case import load_study, make_study
-from thermobearing.studies.definition.designs import plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.run.shard import _measure_all
 
@@ -27,8 +28,8 @@ def cold_town(name: str, **factors: Any) -> Any:
     if "design" in table:
         table["design"]["samples"] = 12
     study = make_study(table, name)
-    prepared, runs = Preparer(study), plan(study)
-    prepared.foresee(runs)
+    prepared, runs = Preparer(Plan(study)), Plan(study).runs
+    prepared.compute_temperatures(runs)
     rows = runs.to_dict("records")
     found = {demand: [] for demand in DEMANDS}
     for row in rows:
@@ -42,6 +43,7 @@ def cold_town(name: str, **factors: Any) -> Any:
     return rows, found
 
 
+@pytest.mark.thorough
 def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured: Recorder) -> None:
     """A bearing whose rubber has a mean temperature behaves as one that has it all through.
 
@@ -69,10 +71,10 @@ def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured:
 
 def test_studies_are_what_they_say() -> None:
     hours, levels = (load_study(name) for name in ("cold-town", "cold-town-levels"))
-    assert [len(plan(study)) for study in (hours, levels)] == [4032, 1764]
+    assert [len(Plan(study).runs) for study in (hours, levels)] == [4032, 1764]
     stripes = [float(level.split()[0]) for level in hours.factors.scale.levels]
-    assert sorted(plan(levels)["Sa_m_s2"].unique()) == stripes  # to the last bit
-    table = plan(hours)
+    assert sorted(Plan(levels).runs["Sa_m_s2"].unique()) == stripes  # to the last bit
+    table = Plan(hours).runs
     weather = generate_weather("cold-town", years=50, seed=1)
     air = table["ambient_degC"].to_numpy()
     np.testing.assert_allclose(air, weather.temperature[table["hour"].to_numpy()], atol=tol.MEAN)

@@ -188,6 +188,7 @@ def test_layered_bearing_of_equal_stiffness(name: str, measured: Recorder) -> No
     assert abs(found.stiffness / 2.6153 - 1.0) < tol.EQUAL_STIFFNESS
 
 
+@pytest.mark.thorough
 def test_bounds_study_says_where_bounds_are_unsafe() -> None:
     table = bounds_study(
         tb.load_bearing("shen-hdr-bridge"), ["jra-ii-i-2", "jra-i-i-1"], [23.0, -20.0]
@@ -201,6 +202,7 @@ def test_bounds_study_says_where_bounds_are_unsafe() -> None:
     assert [_verdict(v) for v in (0.9, 1.0, 1.4)] == ["unsafe", "good", "wasteful"]
 
 
+@pytest.mark.thorough
 def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:
     overrides = {"motions": ["jra-ii-i-1"], "tolerance": 0.1}
     case = make_design_case({}, "test", **overrides)
@@ -212,7 +214,7 @@ def test_design_from_python_is_that_of_the_command(tmp_path: Path) -> None:
     for path in (tmp_path / "command" / "bearings").glob("*hdr*.toml"):
         assert tb.load_bearing(path).geometry.rubber_layers > 1
     files = [path for path in (tmp_path / "command").rglob("*") if path.is_file()]
-    assert len(files) == 9  # temperatures.csv and tested_range.csv among them
+    assert len(files) == 10  # temperatures.csv, virgin.csv and tested_range.csv among them
     for path in files:
         same = tmp_path / "python" / path.relative_to(tmp_path / "command")
         assert same.read_bytes() == path.read_bytes(), path

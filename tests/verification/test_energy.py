@@ -178,7 +178,7 @@ def test_neighbours_exchange_the_same_heat(half: bool) -> None:
     assert_allclose(down, up, rtol=RECIPROCITY, atol=0.0)
 
 
-@pytest.mark.parametrize("face", FACES_BALANCE)
+@pytest.mark.parametrize("face", quick_cases(FACES_BALANCE, 0))
 def test_no_new_extremes_where_the_step_is_short_enough(face: str) -> None:
     """Crank-Nicolson is bounded while dt/2 times every cell's own rate stays below 1."""
     constants = stack(face, half=False)
@@ -236,7 +236,7 @@ AMBIENTS = [-20.0, 0.0, 23.0]
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
 @pytest.mark.parametrize("name", quick_cases(NAMES, 0, 1))
 def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
-    books = tb.run(name, ambient=AMBIENTS, heat_source=heat_source).energy
+    books = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(heat_source=heat_source)).energy
     mechanical = float(books["mechanical_residual"].abs().max())
     thermal = float(books["thermal_residual"].abs().max())
     assert mechanical <= tol.ENERGY_BOOKS
@@ -248,7 +248,7 @@ def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
 @pytest.mark.parametrize("name", NAMES[:2])
 def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
     """The printed coefficients create heat; with lead, the Maxwell branch also warms nothing."""
-    books = tb.run(name, ambient=AMBIENTS, scheme="published").energy
+    books = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(scheme="published")).energy
     thermal = books["thermal_residual"].to_numpy()
     assert (np.abs(thermal) > 0.05).all()
     text = ", ".join(f"{-value:+.1%}" for value in thermal)
@@ -268,7 +268,7 @@ def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
         )
 
 
-@pytest.mark.parametrize("name", NAMES[:2])
+@pytest.mark.parametrize("name", quick_cases(NAMES[:2], 0))
 def test_halving_the_step_changes_no_cycle(name: str, measured: Recorder) -> None:
     """From 10 ms on, per-cycle G_e and h_eq are settled to 0.1 % (exact increment)."""
     tables = [tb.run(name, ambient=AMBIENTS, dt=dt).cycles for dt in (0.01, 0.005, 0.0025)]
@@ -282,14 +282,13 @@ def test_halving_the_step_changes_no_cycle(name: str, measured: Recorder) -> Non
 
 def test_euler_is_coarser_than_exact(measured: Recorder) -> None:
     """What the published explicit Euler costs at the same 5 ms."""
+    models = {"exact": tb.ModelOptions(), "euler": tb.ModelOptions(integrator="euler")}
     best = tb.run(NAMES[0], ambient=23.0, dt=0.00125).cycles["h_eq"].to_numpy()
     error = {
-        integrator: float(
-            np.abs(
-                tb.run(NAMES[0], ambient=23.0, integrator=integrator).cycles["h_eq"] / best - 1
-            ).max()
+        name: float(
+            np.abs(tb.run(NAMES[0], ambient=23.0, model=model).cycles["h_eq"] / best - 1).max()
         )
-        for integrator in ("exact", "euler")
+        for name, model in models.items()
     }
     assert error["exact"] <= tol.STEP_HALVING
     assert error["euler"] > 5.0 * error["exact"]

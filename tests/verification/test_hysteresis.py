@@ -7,7 +7,7 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from tests.quick import quick_cases
 from thermobearing.core.hysteresis import euler_increment, exact_increment
-from thermobearing.core.viscous import maxwell
+from thermobearing.core.step import maxwell
 
 D_Y = 1.549  # mm, Table 4.2; the law scales with it
 SHAPES = (-0.99, -0.864, -0.3, 0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.7, 3.0)
@@ -30,7 +30,7 @@ def samples(seed: int) -> list[tuple[float, float]]:
     return [*zip(z, sign * size, strict=True), *edges]
 
 
-@pytest.mark.parametrize("s", quick_cases(SHAPES, 1, 4, 7, 9))
+@pytest.mark.parametrize("s", quick_cases(SHAPES, 1, 7))
 def test_one_increment_equals_a_thousand_small_ones(s: float) -> None:
     c = curvature(s)
     for z, increment in samples(1):

@@ -99,7 +99,8 @@ def test_first_cycle_of_every_amplitude_is_stiffer() -> None:
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
 @pytest.mark.parametrize("ambient", [-20.0, 23.0])
 def test_energy_books_close(heat_source: str, ambient: float, measured: Recorder) -> None:
-    result = run(virgin(), [1.5, 3.0], ambient=ambient, heat_source=heat_source)
+    model = tb.ModelOptions(heat_source=heat_source)
+    result = run(virgin(), [1.5, 3.0], ambient=ambient, model=model)
     energy = result.energy.iloc[0]
     worst = max(abs(energy["mechanical_residual"]), abs(energy["thermal_residual"]))
     measured(

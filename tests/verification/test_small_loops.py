@@ -25,6 +25,7 @@ from thermobearing.core.records import Floats
 from thermobearing.core.types import COMPLETED, DEPTH, SOFTENED, new_state
 
 CLOSED: dict[str, Any] = {"small_loops": "closed"}
+LOOPS_CLOSED = tb.ModelOptions(**CLOSED)
 D_Y, SHAPES = 4.5, (-0.99, -0.86, -0.3, 0.5, 1.0, 1.7)  # [mm], [1]
 NESTED = (20.0, 15.0, 18.0, 16.5, 17.5, 17.0, 18.0, 15.0, 20.0, 21.0)
 LHDR, HDR = "shen-lhdr-specimen", "shen-hdr-specimen"
@@ -67,7 +68,7 @@ def random_path(rng: np.random.Generator) -> Floats:
     return np.cumsum(rng.normal(size=20) * 10.0 ** rng.uniform(-1.5, 1.0, 20))
 
 
-@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("shape", quick_cases(SHAPES, 0, 3))
 @pytest.mark.parametrize(("amplitude", "apart"), [(3.0, 1e-5), (8.0, 1e-13)])
 def test_steady_loops_are_the_published_ones(shape: float, amplitude: float, apart: float) -> None:
     """Closed loops repeat from the second cycle on, published ones converge: alike if saturated."""
@@ -142,7 +143,7 @@ def test_tangent_is_the_derivative(shape: float) -> None:
         law.to(d)
 
 
-@pytest.mark.parametrize("end", [-30.0, 30.0])
+@pytest.mark.parametrize("end", quick_cases([-30.0, 30.0], 0))
 @pytest.mark.parametrize("ratio", quick_cases([0.94, 0.8], 0))
 def test_more_reversals_than_are_remembered_leave_no_jump(ratio: float, end: float) -> None:
     """The outermost point of a full memory moves, so that Z is continuous (else by 0.8 d_y)."""
@@ -182,7 +183,7 @@ def shaken() -> Floats:
 
 
 @pytest.mark.parametrize("temperature", quick_cases([-40.0, -20.0, 23.0], 0, 2))
-@pytest.mark.parametrize("half", [True, False])
+@pytest.mark.parametrize("half", quick_cases([True, False], 0))
 def test_layers_share_one_force_and_z_is_the_law(
     shaken: Floats, temperature: float, half: bool
 ) -> None:
@@ -230,7 +231,7 @@ def test_lockstep_is_one_by_one(name: str) -> None:
 
 
 def test_an_element_commits_goes_back_and_is_copied() -> None:
-    element = tb.element("shen-hdr-bridge", 23, **CLOSED)
+    element = tb.element("shen-hdr-bridge", 23, model=LOOPS_CLOSED)
     for x in (*range(2, 101, 2), 99, 100.5):
         element.set_trial(x, 0.01)
         element.set_trial(x - 3.0, 0.01)  # a trial that is not taken leaves no turning point
@@ -250,7 +251,7 @@ def test_an_element_commits_goes_back_and_is_copied() -> None:
     element.restore(saved)
     assert set(element.state.layers["turns"]) == {0.0}
     element.revert_to_start()
-    virgin = tb.element("shen-hdr-bridge", 23, **CLOSED)
+    virgin = tb.element("shen-hdr-bridge", 23, model=LOOPS_CLOSED)
     assert element.set_trial(30.0, 0.1).force == virgin.set_trial(30.0, 0.1).force
 
 
@@ -261,7 +262,7 @@ def test_a_reversal_of_1_mm_at_100_mm(ambient: float, published: float, measured
     found = {}
     for law in ("published", "closed"):
         for path, places in paths.items():
-            element = tb.element("shen-hdr-bridge", ambient, small_loops=law)
+            element = tb.element("shen-hdr-bridge", ambient, model=tb.ModelOptions(small_loops=law))
             for x in places:
                 force = element.set_trial(float(x), 0.01).force
                 element.commit()
@@ -288,13 +289,17 @@ def made(steps: list[dict[str, Any]]) -> tb.CyclicTest:
     return tb.CyclicTest(dt=0.02, steps=steps)
 
 
-@pytest.mark.parametrize("name", [HDR, LHDR])
+@pytest.mark.parametrize("name", quick_cases([HDR, LHDR], 0))
 def test_the_memory_is_handed_over(name: str, tmp_path: Any) -> None:
-    whole = tb.run(name, made(STEPS + MORE), -10.0, **CLOSED)
-    first = tb.run(name, made(STEPS), -10.0, **CLOSED)
+    whole = tb.run(name, made(STEPS + MORE), -10.0, model=LOOPS_CLOSED)
+    first = tb.run(name, made(STEPS), -10.0, model=LOOPS_CLOSED)
     assert (first["state_layer_turns"].values == 3).all()
     second = tb.run(
-        name, made(MORE), -10.0, initial=first.save(tmp_path / "a", figures=False), **CLOSED
+        name,
+        made(MORE),
+        -10.0,
+        initial=first.save(tmp_path / "a", figures=False),
+        model=LOOPS_CLOSED,
     )
     assert_allclose(second["force"].values[0, -1], whole["force"].values[0, -1], rtol=tol.CUT)
     again = tb.run_case(
@@ -303,38 +308,43 @@ def test_the_memory_is_handed_over(name: str, tmp_path: Any) -> None:
     assert np.array_equal(again["force"], second["force"])
     forgetful = tb.run(name, made(STEPS), -10.0)
     assert "state_layer_turns" not in forgetful.dataset
-    tb.run(name, made(MORE), -10.0, initial=forgetful, **CLOSED)  # begins without turning points
+    tb.run(
+        name, made(MORE), -10.0, initial=forgetful, model=LOOPS_CLOSED
+    )  # begins without turning points
     tb.run(name, made(MORE), -10.0, initial=first)  # and these are not read by the published law
 
 
 def test_a_hybrid_test_hands_its_memory_over() -> None:
-    first = tb.hybrid([HDR, LHDR], ambient=-20, duration=3, keep=tb.Keep(every=1), **CLOSED)
+    first = tb.hybrid(
+        [HDR, LHDR], ambient=-20, duration=3, keep=tb.Keep(every=1), model=LOOPS_CLOSED
+    )
     for number, name in enumerate((HDR, LHDR)):
         left = tb.end_state(first, name)
         assert left.layer_turns == first.dataset["state_layer_turns"].values[number].tolist()
-        element = tb.element(name, -20, initial=left, **CLOSED)
+        element = tb.element(name, -20, initial=left, model=LOOPS_CLOSED)
         force = element.state.books["force"][0]
         assert element.set_trial(left.at, 1e-3).force == pytest.approx(force, rel=1e-3)
 
 
 def test_a_rest_leaves_no_turning_points_of_rounding() -> None:
     test = made([*STEPS[:1], {"step": "rest", "duration": 3600.0}])
-    result = tb.run(HDR, test, -20.0, **CLOSED)
+    result = tb.run(HDR, test, -20.0, model=LOOPS_CLOSED)
     assert result["state_layer_turns"].values.max() <= 4
 
 
 def test_the_law_of_a_bearing_goes_with_it_and_euler_is_refused(tmp_path: Any) -> None:
     bearing = changed(tb.load_bearing(HDR), hysteresis=CLOSED)
     test = tb.cyclic_test(strain=[1.0, 0.3], cycles=1, rest=None, dt=0.02)
-    by_option = tb.run(HDR, test, **CLOSED)
+    by_option = tb.run(HDR, test, model=LOOPS_CLOSED)
     by_bearing = tb.run(bearing, test)
     assert np.array_equal(by_option["force"], by_bearing["force"])
     assert not np.array_equal(
-        by_option["force"], tb.run(bearing, test, small_loops="published")["force"]
+        by_option["force"],
+        tb.run(bearing, test, model=tb.ModelOptions(small_loops="published"))["force"],
     )
-    for given in ({"bearing": HDR, **CLOSED}, {"bearing": bearing}):
+    for device, options in ((HDR, CLOSED), (bearing, {})):
         with pytest.raises(tb.InputError, match="small_loops"):
-            tb.run(test=test, integrator="euler", **given)
+            tb.run(device, test, model=tb.ModelOptions(integrator="euler", **options))
     compound = extract_compound(bearing)
     assert compound.rubber.small_loops == "closed"
 

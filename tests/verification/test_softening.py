@@ -7,6 +7,7 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from tests.verification import models
 from tests.verification.softened import (
     SLOW,
@@ -95,7 +96,7 @@ def test_softened_runs_converge_with_the_time_step() -> None:
         assert abs(values[2] - values[1]) < tol.HALVED * abs(values[1] - values[0])
 
 
-@pytest.mark.parametrize(("name", "temperature", "strain"), COLD)
+@pytest.mark.parametrize(("name", "temperature", "strain"), quick_cases(COLD, 0, 5))
 def test_force_is_continuous_within_a_step_and_the_tangent_its_slope(
     name: str, temperature: float, strain: float, measured: Recorder
 ) -> None:
@@ -297,7 +298,10 @@ def test_what_it_changes(measured: Recorder) -> None:
         for ambient in (-20.0, 23.0):
             printed, monotone = (
                 tb.run(
-                    name, tb.cyclic_test(strain=[2.5], cycles=3), ambient, hardening=form
+                    name,
+                    tb.cyclic_test(strain=[2.5], cycles=3),
+                    ambient,
+                    model=tb.ModelOptions(hardening=form),
                 ).cycles.iloc[2]
                 for form in ("printed", "monotone")
             )

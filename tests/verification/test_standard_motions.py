@@ -6,6 +6,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from tests.conftest import Recorder
+from tests.quick import quick_cases
 from thermobearing.core.types import Floats
 from thermobearing.motions.library import STORED, list_motions, load_motion
 from thermobearing.motions.matching import Matched, matched, misfit
@@ -66,7 +67,7 @@ def test_eighteen_motions_are_built_in() -> None:
     assert STORED.stat().st_size < 1e6
 
 
-@pytest.mark.parametrize("name", list_motions())
+@pytest.mark.parametrize("name", quick_cases(list_motions(), 0, 7, 10))
 def test_built_in_motion_fits_and_ends_at_rest(name: str, measured: Recorder) -> None:
     kind, ground = name.split("-")[1:3]
     motion = load_motion(name)
@@ -83,6 +84,7 @@ def test_built_in_motion_fits_and_ends_at_rest(name: str, measured: Recorder) ->
     assert "Japan Road Association" in motion.citation
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("kind", "ground", "seed"),
     [

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, short_repr
 from thermobearing.border.units import is_number, refuse_hidden
 from thermobearing.core.records import Floats
 from thermobearing.tables.guess import read_air_columns
@@ -13,6 +14,7 @@ from thermobearing.tables.guess import read_air_columns
 COLDEST, HOTTEST = -100.0, 100.0  # plausible range of an ambient temperature [degC]
 
 
+@checked
 @dataclass(frozen=True)
 class Ambient:
     """Ambient temperature, piecewise linear in time and constant beyond its ends.
@@ -65,6 +67,8 @@ class Ambient:
         """Return the mean temperature over each of the steps dt that follow `start` [degC]."""
         if len(self.time) == 1:
             return np.full(len(dt), self.temperature[0])
+        # Exact for a piecewise linear series: differences of its integral, with nodes at all its
+        # kinks.
         edges = start + np.concatenate([[0.0], np.cumsum(dt)])
         nodes = np.unique(np.concatenate([self.time, edges]))
         values = np.interp(nodes, self.time, self.temperature)
@@ -77,7 +81,7 @@ class Ambient:
 def check_temperature(value: float, where: str) -> float:
     """Return the value; InputError unless it is a plausible temperature in degC."""
     if not is_number(value):
-        raise InputError(f"expected a temperature in degC, got {value!r}", where)
+        raise InputError(f"expected a temperature in degC, got {short_repr(value)}", where)
     if not COLDEST <= value <= HOTTEST:
         raise InputError(f"{value:g} degC is outside {COLDEST:g} to {HOTTEST:g} degC", where)
     return value

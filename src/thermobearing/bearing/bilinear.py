@@ -8,8 +8,9 @@ from pydantic import Field, model_validator
 from thermobearing.bearing.exposure import Exposure
 from thermobearing.bearing.library import list_bearings, load_bearing
 from thermobearing.bearing.model import Bearing, Validity
-from thermobearing.border.errors import is_file
+from thermobearing.border.arguments import checked
 from thermobearing.border.library import Library, Sourced, is_path, unknown_name
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Name, in_unit
 from thermobearing.border.toml import read_toml, split_sources
 
@@ -52,6 +53,7 @@ class BilinearBearing(Sourced):
 BILINEAR = Library("bilinear bearing", "bilinear")
 
 
+@checked
 def load_bilinear(name_or_path: str | Path) -> BilinearBearing:
     """Return a bilinear bearing of the library, or from a TOML file.
 
@@ -80,10 +82,11 @@ def load_device(name_or_path: str | Path) -> Bearing | BilinearBearing:
     ('bilinear', 'HDR')
     """
     text = str(name_or_path)
-    known = [*list_bearings(), *BILINEAR.names()]
-    if text not in known and not is_path(name_or_path):
-        raise unknown_name("bearing", text, known)
-    if text not in known and is_file(Path(text)):
+    names = [*list_bearings(), *BILINEAR.names()]
+    if text not in names and not is_path(name_or_path):
+        raise unknown_name("bearing", text, names)
+    # A file says itself which it is; a name is in one of the two libraries.
+    if text not in names and is_file(Path(text)):
         bilinear = split_sources(read_toml(Path(text)))[0].get("kind") == "bilinear"
     else:
         bilinear = text in BILINEAR.names()

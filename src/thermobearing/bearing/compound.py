@@ -18,14 +18,17 @@ from thermobearing.bearing.model import (
     Hardening,
     HysteresisLaw,
     Materials,
+    RateBand,
     Scragging,
     SmallLoops,
     Softening,
     TemperatureCoefficient,
     TemperatureLaw,
     Validity,
+    refuse_two_branches,
 )
-from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, short_repr
 from thermobearing.border.library import Library, Sourced
 from thermobearing.border.schema import Name, Strict, in_unit, validated
 from thermobearing.border.toml import split_sources
@@ -70,8 +73,8 @@ class CompoundLead(Strict):
     clock: Clock | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        if ("shear_modulus" in given) == ("stiffness_ratio" in given):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        if ("shear_modulus" in values) == ("stiffness_ratio" in values):
             return ["give either shear_modulus (K_l H/A_l) or stiffness_ratio (K_1/K_2)"]
         return []
 
@@ -95,8 +98,8 @@ class Compound(Sourced):
     rubber, lead, rate : see those classes; `lead` is None if not known, `rate` without
         rate dependence.
     materials : thermal properties, including side film and steel, used in the calibration.
-    temperature_law, hysteresis_law, tested_range, scragging : as in a bearing; independent of
-        size.
+    temperature_law, hysteresis_law, tested_range, scragging, rate_band : as in a bearing;
+        independent of size.
 
     Examples
     --------
@@ -117,6 +120,12 @@ class Compound(Sourced):
     scragging: Scragging | None = None
     lead: CompoundLead | None = None
     rate: CompoundRate | None = None
+    rate_band: RateBand | None = None
+
+    @model_validator(mode="after")
+    def _has_one_branch(self) -> "Compound":
+        refuse_two_branches(self.rate_band, has_branch=self.rate is not None)
+        return self
 
     @model_validator(mode="after")
     def _lead_is_known(self) -> "Compound":
@@ -142,6 +151,7 @@ def _compound_from_table(table: Any, where: str) -> Compound:
     return validated(Compound, values, where).with_sources(sources)
 
 
+@checked
 def load_compound(name_or_path: str | Path) -> Compound:
     """Return a compound of the library by name, or from your own TOML file.
 
@@ -161,20 +171,21 @@ def load_compound(name_or_path: str | Path) -> Compound:
     return _compound_from_table(*COMPOUNDS.table(name_or_path))
 
 
-def as_compound(given: Any) -> "Compound | Bearing":
+def as_compound(source: Any) -> "Compound | Bearing":
     """Return the compound, or bearing of it, from which a new bearing is derived.
 
-    `given`: a Compound or Bearing, a library name, or the TOML file of either.
+    `source`: a Compound or Bearing, a library name, or the TOML file of either.
     """
     from thermobearing.bearing.library import bearing_from_table
 
-    if isinstance(given, Compound | Bearing):
-        return given
-    if not isinstance(given, str | Path):
-        shown = shortened(repr(given))
-        raise InputError(f"compound = {shown}: must be a Compound, a library name, or a TOML file")
+    if isinstance(source, Compound | Bearing):
+        return source
+    if not isinstance(source, str | Path):
+        raise InputError(
+            f"compound = {short_repr(source)}: must be a Compound, a library name, or a TOML file"
+        )
     try:
-        table, where = COMPOUNDS.table(given)
+        table, where = COMPOUNDS.table(source)
         return (bearing_from_table if "geometry" in table else _compound_from_table)(table, where)
     except InputError as error:
         raise InputError(error.lines("compound")) from None

@@ -38,7 +38,7 @@ class Exposure(Strict):
     Examples
     --------
     >>> Exposure(stiffness=1.3, strength=1.4, source="our tests after 14 days").describe()
-    'exposure: stiffness x 1.3, strength x 1.4 (our tests after 14 days)'
+    'exposure: stiffness times 1.3 and strength times 1.4 (our tests after 14 days)'
     """
 
     stiffness: Factor = 1.0
@@ -46,9 +46,9 @@ class Exposure(Strict):
     source: str = ""
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        factors = [given.get(key, 1.0) for key in ("stiffness", "strength")]
-        if any(value != 1.0 for value in factors) and not str(given.get("source", "")).strip():
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        factors = [values.get(key, 1.0) for key in ("stiffness", "strength")]
+        if any(value != 1.0 for value in factors) and not str(values.get("source", "")).strip():
             return ['give the source of the factors, source = "..."']
         return []
 
@@ -60,7 +60,7 @@ class Exposure(Strict):
     def describe(self) -> str:
         """Return one line for console and summary."""
         return (
-            f"exposure: stiffness x {self.stiffness:g}, strength x {self.strength:g} "
+            f"exposure: stiffness times {self.stiffness:g} and strength times {self.strength:g} "
             f"({self.source})"
         )
 
@@ -79,8 +79,8 @@ def exposures(
     bearings: Iterable["Bearing | BilinearBearing"], option: Exposure | None
 ) -> dict[str, Exposure]:
     """Return the factors that apply, by name of the bearing; empty if all are 1."""
-    found = {bearing.name: effective_exposure(bearing, option) for bearing in bearings}
-    return {name: factors for name, factors in found.items() if factors is not None}
+    exposure_by_name = {bearing.name: effective_exposure(bearing, option) for bearing in bearings}
+    return {name: factors for name, factors in exposure_by_name.items() if factors is not None}
 
 
 def describe_all(factors: Mapping[str, Exposure]) -> list[str]:
@@ -105,6 +105,7 @@ def exposed(bearing: "Bearing", option: Exposure | None = None) -> "Bearing":
     if factors is None:
         return bearing.model_copy(update={"exposure": None}) if bearing.exposure else bearing
     h = bearing.hysteresis
+    # K_r and alpha_0 are stored; the factors are on alpha_0 K_r and (1 - alpha_0) K_r.
     elastic = factors.stiffness * h.post_yield_ratio * h.layer_stiffness
     hysteretic = factors.strength * (1.0 - h.post_yield_ratio) * h.layer_stiffness
     total = elastic + hysteretic

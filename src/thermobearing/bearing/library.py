@@ -10,12 +10,13 @@ from thermobearing.bearing.model import (
     laws_of_command,
     with_laws,
 )
-from thermobearing.border.errors import InputError, shortened
-from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, short_repr
 from thermobearing.border.library import Library
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.text_file import write_file
-from thermobearing.border.toml import sourced_toml, split_sources
+from thermobearing.border.toml import DIGITS, sourced_toml, split_sources
+from thermobearing.border.units import one_or_several
 from thermobearing.laws import find_law
 
 BEARINGS = Library("bearing", "bearings")
@@ -53,16 +54,22 @@ def bearing_from_table(table: Any, where: str) -> Bearing:
 
 def _sources_with_laws(sources: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
     """Return the sources of a bearing with those of laws in place of what they replaced."""
-    found = dict(sources)
+    updated = dict(sources)
     for law in map(find_law, names):
         if law.kind == "temperature":
-            gone = ["temperature_law", *(f"hysteresis.{key}" for key in TEMPERATURE_COEFFICIENTS)]
-            found = {key: text for key, text in found.items() if not _within(key, gone)}
+            # A temperature law takes the place of the table and of m_T and n_T, whose sources go
+            # with them.
+            replaced = [
+                "temperature_law",
+                *(f"hysteresis.{key}" for key in TEMPERATURE_COEFFICIENTS),
+            ]
+            updated = {key: text for key, text in updated.items() if not _within(key, replaced)}
         else:
-            found |= dict.fromkeys({law.key, *law.also} & set(found), law.source)
-    return found
+            updated |= dict.fromkeys({law.key, *law.also} & set(updated), law.source)
+    return updated
 
 
+@checked
 def load_bearing(name_or_path: str | Path) -> Bearing:
     """Return a bearing of the library by name, or from your own TOML file.
 
@@ -82,25 +89,27 @@ def load_bearing(name_or_path: str | Path) -> Bearing:
     return bearing_from_table(*BEARINGS.table(name_or_path))
 
 
-def as_bearing(given: Any, key: str = "bearing") -> Bearing:
+def as_bearing(source: Any, key: str = "bearing") -> Bearing:
     """Return a bearing from a Bearing, a library name, a TOML file, or a table.
 
-    `given`: a Bearing, an argument of `load_bearing`, or a table as in a file; `key`: name of the
+    `source`: a Bearing, an argument of `load_bearing`, or a table as in a file; `key`: name of the
     argument, for messages.
     """
-    if isinstance(given, Bearing):
-        return given
-    if isinstance(given, dict):
-        return bearing_from_table(given, key)
-    if not isinstance(given, str | Path):
-        shown = shortened(repr(given))
-        raise InputError(f"{key} = {shown}: must be a Bearing, a library name, or a TOML file")
+    if isinstance(source, Bearing):
+        return source
+    if isinstance(source, dict):
+        return bearing_from_table(source, key)
+    if not isinstance(source, str | Path):
+        raise InputError(
+            f"{key} = {short_repr(source)}: must be a Bearing, a library name, or a TOML file"
+        )
     try:
-        return load_bearing(given)
+        return load_bearing(source)
     except InputError as error:
         raise InputError(error.lines(key)) from None
 
 
+@checked
 def changed_bearing(
     bearing: Bearing | str | Path, *, law: str | Sequence[str] | None = None, **changes: Any
 ) -> Bearing:
@@ -135,18 +144,20 @@ def changed_bearing(
     'changed, was 30.738'
     """
     before = as_bearing(bearing)
-    names = [law] if isinstance(law, str) else list(law or ())
+    names = [] if law is None else [str(name) for name in one_or_several(law)]
     data = with_laws(before.model_dump(), names)
-    new_sources = _put_in(data, changes, "")
-    made = validated(Bearing, data, "changed_bearing()", from_file=False)
+    new_sources = _apply_changes(data, changes, "")
+    changed = validated(Bearing, data, "changed_bearing()", from_file=False)
     kept = {key: text for key, text in before.sources.items() if not _within(key, new_sources)}
     kept = _sources_with_laws(kept, names)
-    return made.with_sources(kept | {key: text for key, text in new_sources.items() if text})
+    return changed.with_sources(kept | {key: text for key, text in new_sources.items() if text})
 
 
-@checked_keywords
+@checked
 def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False) -> Path:
     """Write a bearing as a TOML file, with the source of each number where one is known.
+
+    Numbers have 12 significant digits.
 
     Parameters
     ----------
@@ -171,22 +182,24 @@ def save_bearing(bearing: Bearing, path: str | Path, *, overwrite: bool = False)
     ...     load_bearing(save_bearing(mine, folder + "/mine.toml")) == mine
     True
     """
-    write_file(Path(path), sourced_toml(bearing, bearing.sources), overwrite=overwrite)
+    text = sourced_toml(bearing, bearing.sources, digits=DIGITS)
+    write_file(Path(path), text, overwrite=overwrite)
     return Path(path)
 
 
-def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> dict[str, str]:
+def _apply_changes(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> dict[str, str]:
     """Update a table in place; return the new source of each changed entry by dotted key."""
     sources: dict[str, str] = {}
     for name, value in changes.items():
         key = f"{above}{name}"
         new = value.model_dump() if isinstance(value, Strict) else value
         old = table.get(name)
+        # A plan of another shape has other keys, so it is replaced as a whole.
         plan = isinstance(new, Mapping) and isinstance(
             new.get("shape"), str
         )  # replaces the old one
         if isinstance(new, Mapping) and isinstance(old, dict) and not plan:
-            sources |= _put_in(old, new, f"{key}.")
+            sources |= _apply_changes(old, new, f"{key}.")
             continue
         table[name] = dict(new) if isinstance(new, Mapping) else new
         plain = above and isinstance(old, int | float) and not isinstance(old, bool)
@@ -196,4 +209,4 @@ def _put_in(table: dict[str, Any], changes: Mapping[str, Any], above: str) -> di
 
 def _within(key: str, changed: Iterable[str]) -> bool:
     """Return whether a key, or a table that contains it, was changed."""
-    return any(key == one or key.startswith(f"{one}.") for one in changed)
+    return any(key == prefix or key.startswith(f"{prefix}.") for prefix in changed)

@@ -31,6 +31,8 @@ AxialForce = Annotated[float, in_unit("kN"), Field(ge=-1e6, le=1e6)]  # compress
 class TemperatureLaw(Strict):
     """Range of the law of Eq. 4.34, and a table or a registered law that multiplies it.
 
+    The viscosity c_v of the rate branch depends on temperature by the table only.
+
     Attributes
     ----------
     coldest, warmest : temperatures of the rubber in the tests that the law was identified on
@@ -39,6 +41,8 @@ class TemperatureLaw(Strict):
     elastic, hysteretic : factors on the two stiffness terms there; between them a monotone cubic in
         the logarithm, beyond them a constant slope. A table that is the complete law needs
         m_T = n_T = 0.
+    viscosity : factors there on c_v of the rate branch, alone or besides those on stiffness; the
+        branch takes them at the temperatures of the layers. Without them c_v is constant.
     law, parameters : name of a law of `laws.register` in place of a table, with its digest or
         without, and parameters that differ from its defaults.
 
@@ -53,24 +57,29 @@ class TemperatureLaw(Strict):
     temperatures: Annotated[list[LawCelsius], Field(min_length=2, max_length=100)] | None = None
     elastic: Factors | None = None
     hysteretic: Factors | None = None
+    viscosity: Factors | None = None
     law: Name | None = None
     parameters: dict[str, LawNumber] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        found = []
-        table = [name for name in ("temperatures", "elastic", "hysteretic") if name in given]
-        if ("coldest" in given) != ("warmest" in given):
-            found.append("give both coldest and warmest, or neither")
-        if len(table) not in (0, 3):
-            found.append("a table needs temperatures, elastic and hysteretic")
-        elif len({len(given[name]) for name in table if isinstance(given[name], list)}) > 1:
-            found.append("temperatures, elastic and hysteretic must be equally long")
-        if table and "law" in given:
-            found.append("give a table or a law, not both")
-        if "parameters" in given and "law" not in given:
-            found.append("parameters need a law")
-        return found
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        messages = []
+        columns = ("temperatures", "elastic", "hysteretic", "viscosity")
+        table = [name for name in columns if name in values]
+        if ("coldest" in values) != ("warmest" in values):
+            messages.append("give both coldest and warmest, or neither")
+        factors = table[1:] if table[:1] == ["temperatures"] else []
+        if table and factors not in (["elastic", "hysteretic"], ["viscosity"], [*columns[1:]]):
+            messages.append(
+                "a table needs temperatures, elastic and hysteretic, or temperatures and viscosity"
+            )
+        elif len({len(values[name]) for name in table if isinstance(values[name], list)}) > 1:
+            messages.append("temperatures, elastic, hysteretic and viscosity must be equally long")
+        if table and "law" in values:
+            messages.append("give a table or a law, not both")
+        if "parameters" in values and "law" not in values:
+            messages.append("parameters need a law")
+        return messages
 
     def model_post_init(self, context: Any) -> None:
         """Compare values after conversion of units."""
@@ -84,6 +93,11 @@ class TemperatureLaw(Strict):
     def has_factors(self) -> bool:
         """Whether there are factors besides those of m_T and n_T."""
         return self.temperatures is not None or self.law is not None
+
+    @property
+    def scales_stiffness(self) -> bool:
+        """Whether these factors are on stiffness too, not on the viscosity alone."""
+        return self.elastic is not None or self.law is not None
 
     @property
     def range(self) -> tuple[float, float] | None:
@@ -118,10 +132,11 @@ TEMPERATURE_COEFFICIENTS = ("elastic_temperature_coefficient", "hysteretic_tempe
 
 def laws_of_command(data: Any) -> list[str]:
     """Return the laws of the command for a bearing; no registered one if it names one itself."""
-    given = data if isinstance(data, dict) else {}
-    own = [given.get("temperature_law"), given.get("hysteresis_law")]
-    named = any(isinstance(one, dict | Strict) and dict(one).get("law") for one in own)
-    return [name for name in laws_to_apply() if not named or find_law(name).function is None]
+    table = data if isinstance(data, dict) else {}
+    laws = [table.get("temperature_law"), table.get("hysteresis_law")]
+    # A bearing that names a registered law keeps it against --law.
+    names_law = any(isinstance(law, dict | Strict) and dict(law).get("law") for law in laws)
+    return [name for name in laws_to_apply() if not names_law or find_law(name).function is None]
 
 
 def with_laws(data: Any, names: Sequence[str]) -> Any:
@@ -132,6 +147,7 @@ def with_laws(data: Any, names: Sequence[str]) -> Any:
             part.model_dump() if isinstance(part, Strict) else part
             for part in (data.get("hysteresis"), data.get(table))
         )
+        # A law of the package sets keys of a table; a registered one is named in its table.
         if law.function is None:
             if part is None and law.kind == "lead":
                 raise InputError(f'law = "{law.name}": needs a bearing with lead')
@@ -178,8 +194,8 @@ class Validity(Strict):
     lead_temperature: Annotated[list[Celsius], Ends] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        if set(given) & set(cls.model_fields):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        if set(values) & set(cls.model_fields):
             return []
         return [f"give at least one of {', '.join(cls.model_fields)}, as [lowest, highest]"]
 
@@ -191,8 +207,8 @@ class Validity(Strict):
 
     def ranges(self) -> dict[str, tuple[float, float]]:
         """Lowest and highest value of each known quantity."""
-        known = {name: getattr(self, name) for name in type(self).model_fields}
-        return {name: (ends[0], ends[1]) for name, ends in known.items() if ends is not None}
+        limits = {name: getattr(self, name) for name in type(self).model_fields}
+        return {name: (ends[0], ends[1]) for name, ends in limits.items() if ends is not None}
 
 
 class Tested(Protocol):
@@ -437,6 +453,56 @@ class RateDependence(Strict):
     damping: Annotated[float, in_unit("kN s/mm"), Field(ge=1e-6, le=1e6)]  # c_v
 
 
+RateFactor = Annotated[float, Field(ge=0, le=20)]
+
+
+class RateBand(Strict):
+    """Factor on the rate branch, and the range that tests leave open.
+
+    A bearing without the table `rate` borrows the branch of another rubber by its moduli, which is
+    the same in a compound and in a bearing of it.
+
+    Attributes
+    ----------
+    factor : factor on K_v and c_v that acts, in [0, 20]; 1 by default, and 0 in the library where
+        the branch is borrowed.
+    lowest, highest : ends of the range of the factor, in [0, 20].
+    shear_modulus, viscosity : K_v H/A [MPa] and c_v H/A [MPa s] of the borrowed branch.
+
+    Examples
+    --------
+    >>> RateBand(lowest=0.2, highest=1.0).factor
+    1.0
+    """
+
+    factor: RateFactor = 1.0
+    lowest: RateFactor
+    highest: RateFactor
+    shear_modulus: Annotated[float, in_unit("MPa"), Field(ge=1e-4, le=1e5)] | None = None
+    viscosity: Annotated[float, in_unit("MPa s"), Field(ge=1e-6, le=1e5)] | None = None
+
+    @classmethod
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        incomplete = ("shear_modulus" in values) != ("viscosity" in values)
+        return ["give both shear_modulus and viscosity, or neither"] if incomplete else []
+
+    def model_post_init(self, context: Any) -> None:
+        """Compare the ends of the range."""
+        if self.lowest > self.highest:
+            raise ValueError(f"lowest = {self.lowest:g} is above highest = {self.highest:g}")
+
+
+def refuse_two_branches(band: RateBand | None, *, has_branch: bool) -> None:
+    """Raise ValueError if a rate band borrows a branch besides that of the table `rate`.
+
+    Without either it has no effect: `rate` may be left out to see what it does.
+    """
+    if has_branch and band is not None and band.shear_modulus is not None:
+        raise ValueError(
+            "rate_band borrows a branch (shear_modulus, viscosity) only without the table rate"
+        )
+
+
 class Cells(Strict):
     """Heat cells through the thickness of one part each.
 
@@ -466,6 +532,7 @@ class Bearing(Sourced):
     geometry, materials, hysteresis, temperature_law, scragging, lead, rate, cells : see those
         classes; `temperature_law` is None if only m_T and n_T are stated, `scragging` for
         scragged rubber, `lead` without lead cores, `rate` without rate dependence.
+    rate_band : how uncertain the rate dependence is (`RateBand`); None if that is not stated.
     poor_fit : why the calibrated parameters should not be used; such a file does not load.
     tested_range : calibration range (`Validity`); None if not given.
     hysteresis_law : a law of Z in place of Eq. 4.35 (`HysteresisLaw`); None: none.
@@ -486,6 +553,7 @@ class Bearing(Sourced):
     scragging: Scragging | None = None
     lead: LeadCores | None = None
     rate: RateDependence | None = None
+    rate_band: RateBand | None = None
     exposure: Exposure | None = None
     cells: Cells = Cells()
 
@@ -507,6 +575,11 @@ class Bearing(Sourced):
                 f"the lead cores have an area of {self.lead_area:g} mm2, the plan only "
                 f"{self.area:g} mm2"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _has_one_branch(self) -> "Bearing":
+        refuse_two_branches(self.rate_band, has_branch=self.rate is not None)
         return self
 
     @model_validator(mode="after")

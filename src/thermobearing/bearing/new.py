@@ -7,13 +7,13 @@ from typing import Any
 from thermobearing.bearing.compound import Compound, as_compound
 from thermobearing.bearing.model import Bearing, Cells, Geometry
 from thermobearing.bearing.scaling import RULES, Cores, build_bearing, extract_compound
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, validated
-from thermobearing.border.units import parse_quantity
+from thermobearing.border.units import parse_quantity, split_quantity
 
 END_PLATE = 30.0  # [mm], default; usual are 20 to 50
-TIMES = re.compile(r"^\s*(?P<first>[^x×]*?)\s*[x×]\s*(?P<second>[^x×]*?)\s*$")
-NUMBER = re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+TIMES = re.compile("[x×]")
 GIVEN = {"lead.cores", "lead.diameter", "lead.confined", "lead.end_spreading"}
 
 
@@ -24,6 +24,7 @@ class Drawing(Strict):
     lead: Cores | None
 
 
+@checked
 def new_bearing(
     name: str,
     compound: Compound | Bearing | str | Path,
@@ -75,10 +76,10 @@ def new_bearing(
     >>> made.kind, made.total_rubber_thickness, round(made.lead.core_strength)
     ('LRB', 160.0, 254)
     """
-    if not str(name).strip() or set(str(name)) & set("/\\"):
+    if not str(name).strip(" .") or set(str(name)) & set("/\\"):
         raise InputError(f"name = {name!r}: must be a valid file name without blanks")
     source = as_compound(compound)
-    of = extract_compound(source) if isinstance(source, Bearing) else source
+    rubber_compound = extract_compound(source) if isinstance(source, Bearing) else source
     size = {
         "plan": _plan(plan, diameter),
         **_layers(layers),
@@ -86,19 +87,20 @@ def new_bearing(
         "end_plate_thickness": END_PLATE if end_plate is None else end_plate,
         "sealing_plate_thickness": sealing_plate,
     }
-    held = {"cores": cores, "diameter": lead, "confined": confined, "end_spreading": end_spreading}
-    given = {"geometry": size, "lead": None if lead is None else held}
-    drawing = validated(Drawing, given, f'new bearing "{name}"', from_file=False)
-    made = build_bearing(
-        of,
+    core = {"cores": cores, "diameter": lead, "confined": confined, "end_spreading": end_spreading}
+    tables = {"geometry": size, "lead": None if lead is None else core}
+    drawing = validated(Drawing, tables, f'new bearing "{name}"', from_file=False)
+    bearing = build_bearing(
+        rubber_compound,
         name,
         drawing.geometry,
         drawing.lead,
         cells=Cells(),
-        description=description or f"{layers} of {of.name}",
-        citation=f"derived from compound {of.name}" + (f": {of.citation}" if of.citation else ""),
+        description=description or f"{layers} of {rubber_compound.name}",
+        citation=f"derived from compound {rubber_compound.name}"
+        + (f": {rubber_compound.citation}" if rubber_compound.citation else ""),
     )
-    return made.with_sources(_sources(made, of, assumed_plate=end_plate is None))
+    return bearing.with_sources(_sources(bearing, rubber_compound, assumed_plate=end_plate is None))
 
 
 def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
@@ -107,18 +109,19 @@ def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
         raise InputError('give plan ("1000x1000mm") or diameter ("700mm")')
     if diameter is not None:
         return {"shape": "circular", "diameter": diameter}
-    match = TIMES.match(str(plan))
-    if match is None or not match["first"] or not match["second"]:
+    sides = _factors(str(plan))
+    if sides is None:
         raise InputError(
             f'plan = "{plan}": give length and width, "1000x1000mm"; a round bearing has a diameter'
         )
-    first, second = match["first"], _with_unit("plan", str(plan), match["second"])
-    if NUMBER.match(first):  # the unit of the second applies to both
+    first, second = sides[0], _with_unit("plan", str(plan), sides[1])
+    if _has_no_unit(first):  # the unit of the second applies to both
         first += second.lstrip("+-.0123456789 ")
     try:
         length, width = parse_quantity(first, "mm"), parse_quantity(second, "mm")
     except InputError as error:
         raise InputError(error.lines("plan")) from None
+    # A square plan has its own shape, with one size.
     if length == width:
         return {"shape": "square", "side": length}
     return {"shape": "rectangular", "length": length, "width": width}
@@ -126,52 +129,69 @@ def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
 
 def _layers(layers: str) -> dict[str, Any]:
     """Return the number and thickness of the rubber layers."""
-    match = TIMES.match(str(layers))
-    if match is None or not match["first"].isdecimal() or not match["second"]:
+    factors = _factors(str(layers))
+    if factors is None or not factors[0].isdecimal():
         raise InputError(
             f'layers = "{layers}": give number and thickness of the rubber layers, "20x8mm"'
         )
-    thickness = _with_unit("layers", str(layers), match["second"])
-    return {"rubber_layers": int(match["first"]), "rubber_thickness": thickness}
+    thickness = _with_unit("layers", str(layers), factors[1])
+    return {"rubber_layers": int(factors[0]), "rubber_thickness": thickness}
+
+
+def _factors(text: str) -> tuple[str, str] | None:
+    """Return the two factors of a text such as "20x8mm"; None for any other form."""
+    factors = [factor.strip() for factor in TIMES.split(text)]
+    return (factors[0], factors[1]) if len(factors) == 2 and all(factors) else None
+
+
+def _has_no_unit(text: str) -> bool:
+    """Return whether a text is a number alone."""
+    parts = split_quantity(text)
+    return parts is not None and not parts[1]
 
 
 def _with_unit(key: str, text: str, length: str) -> str:
     """Return the length; InputError without a unit."""
-    if NUMBER.match(length):
+    if _has_no_unit(length):
         raise InputError(
             f'{key} = "{text}" has no unit; write "{text.strip()}mm" if this is the intended unit'
         )
     return length
 
 
-def _sources(made: Bearing, of: Compound, *, assumed_plate: bool) -> dict[str, str]:
+def _sources(bearing: Bearing, compound: Compound, *, assumed_plate: bool) -> dict[str, str]:
     """Return the rule and source of each number of the new bearing, by dotted key."""
-    of_compound = of.sources
-    found = {}
-    for key in _number_keys(made):
+    compound_sources = compound.sources
+    sources = {}
+    for key in _number_keys(bearing):
         if key.startswith("cells."):
-            found[key] = "default"
+            sources[key] = "default"
         elif key.startswith("geometry.") or key in GIVEN:
-            found[key] = "given"
+            sources[key] = "given"
         else:
+            # Parameters without a size have the same key in rubber and hysteresis, and no rule.
             same = (key.replace("hysteresis.", "rubber.", 1), "", "")
-            before, _, rule = RULES.get(key, same)
-            if key == "lead.stiffness" and of.lead and of.lead.stiffness_ratio is not None:
-                rule, before = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
-            parts = [rule, f"compound {of.name}", of_compound.get(before, "")]
-            found[key] = "; ".join(part for part in parts if part)
+            key_of_compound, _, rule = RULES.get(key, same)
+            if (
+                key == "lead.stiffness"
+                and compound.lead
+                and compound.lead.stiffness_ratio is not None
+            ):
+                rule, key_of_compound = "K_1/K_2 of the bearing", "lead.stiffness_ratio"
+            parts = [rule, f"compound {compound.name}", compound_sources.get(key_of_compound, "")]
+            sources[key] = "; ".join(part for part in parts if part)
     if assumed_plate:
-        found["geometry.end_plate_thickness"] = "assumed; not given"
-    return found
+        sources["geometry.end_plate_thickness"] = "assumed; not given"
+    return sources
 
 
 def _number_keys(model: Strict, before: str = "") -> list[str]:
     """Dotted keys of all entries of a record that are no tables, without texts at its top."""
-    found = []
+    keys = []
     for name in type(model).model_fields:
         value = getattr(model, name)
         if isinstance(value, Strict):
-            found += _number_keys(value, f"{before}{name}.")
+            keys += _number_keys(value, f"{before}{name}.")
         elif value is not None and before:
-            found.append(f"{before}{name}")
-    return found
+            keys.append(f"{before}{name}")
+    return keys

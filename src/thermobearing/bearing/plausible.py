@@ -61,7 +61,7 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
     """
     layered = isinstance(bearing, Bearing)
     derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
-    found = []
+    sentences = []
     for usual in usual_values():
         if usual.kinds and bearing.kind not in usual.kinds:
             continue
@@ -71,19 +71,19 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
         low, high = usual.ends
         if value is None or low <= value <= high or _does_nothing(bearing, usual.key, value):
             continue
-        found.append(sentence(usual.key, value, usual))
-    return found + (doubled_law(bearing) if isinstance(bearing, Bearing) else [])
+        sentences.append(sentence(usual.key, value, usual))
+    return sentences + (doubled_law(bearing) if isinstance(bearing, Bearing) else [])
 
 
 def doubled_law(bearing: Bearing) -> list[str]:
     """Return a warning if a table or a registered law multiplies exponents that act too."""
     law, rubber = bearing.temperature_law, bearing.hysteresis
     m_t, n_t = rubber.elastic_temperature_coefficient, rubber.hysteretic_temperature_coefficient
-    if law is None or not law.has_factors or m_t == n_t == 0.0:
+    if law is None or not law.scales_stiffness or m_t == n_t == 0.0:
         return []
     return [
-        f"two temperature laws multiply: temperature_law and the exponents m_T = {m_t:g} and "
-        f"n_T = {n_t:g}; set both exponents to 0 if temperature_law is the complete law"
+        f"temperature_law and the exponents m_T = {m_t:g} and n_T = {n_t:g} multiply each other; "
+        "set both exponents to 0 if temperature_law is the complete law"
     ]
 
 
@@ -116,7 +116,8 @@ def _does_nothing(bearing: Bearing | BilinearBearing, key: str, value: float) ->
         return False
     law = bearing.temperature_law
     if key.endswith("temperature_coefficient") and value == 0.0:
-        return law is not None and law.has_factors
+        return law is not None and law.scales_stiffness
+    # Linear rubber has no hysteretic part, so that its parameters have no effect.
     hysteretic = key.startswith(("yield strain", "hysteresis.hysteretic"))
     return hysteretic and bearing.hysteresis.post_yield_ratio == 1.0
 
@@ -125,7 +126,7 @@ def _derived(bearing: Bearing) -> Mapping[str, float]:
     """Return parameters derived from several keys."""
     g, h = bearing.geometry, bearing.hysteresis
     modulus = h.layer_stiffness * g.rubber_thickness / bearing.area * NEWTON_PER_KILONEWTON
-    found = {
+    numbers = {
         "first shape factor S1": g.first_shape_factor,
         "second shape factor S2": g.second_shape_factor,
         "shear modulus K_r t_r / A": modulus,
@@ -134,10 +135,10 @@ def _derived(bearing: Bearing) -> Mapping[str, float]:
     if bearing.lead is not None:
         stiffness = bearing.lead.stiffness * NEWTON_PER_KILONEWTON
         modulus = stiffness * bearing.total_rubber_thickness / bearing.lead.core_area
-        found["shear modulus of a lead core K_l H / A_l"] = modulus
+        numbers["shear modulus of a lead core K_l H / A_l"] = modulus
     if bearing.rate is not None:
-        found["relaxation time c_v / K_v"] = bearing.rate.damping / bearing.rate.stiffness
-    return found
+        numbers["relaxation time c_v / K_v"] = bearing.rate.damping / bearing.rate.stiffness
+    return numbers
 
 
 def _of_bilinear(bearing: BilinearBearing) -> Mapping[str, float]:

@@ -26,7 +26,14 @@ from thermobearing.border.units import NEWTON_PER_KILONEWTON
 
 WITHOUT_SIZE = [key for key in CompoundRubber.model_fields if key in RubberHysteresis.model_fields]
 OF_LEAD = [key for key in CompoundLead.model_fields if key in LeadCores.model_fields]
-COPIED = ("materials", "temperature_law", "hysteresis_law", "tested_range", "scragging")
+COPIED = (
+    "materials",
+    "temperature_law",
+    "hysteresis_law",
+    "tested_range",
+    "scragging",
+    "rate_band",
+)
 RULES = {  # key of a bearing: key of its compound, rule that divides the size out, and back
     "hysteresis.layer_stiffness": ("rubber.shear_modulus", "K_r t_r/A", "K_r = G_r A/t_r"),
     "hysteresis.yield_displacement": ("rubber.yield_strain", "d_y/t_r", "d_y = gamma_y t_r"),
@@ -73,44 +80,45 @@ def extract_compound(bearing: Bearing, name: str = "") -> Compound:
         **{key: getattr(h, key) for key in WITHOUT_SIZE},
     )
     lead, rate = bearing.lead, bearing.rate
+    # Moduli take the sizes out: the area of a core, the height over which it shears.
     if lead is not None:
         modulus = NEWTON_PER_KILONEWTON * lead.stiffness * height / lead.core_area
         values = {key: getattr(lead, key) for key in OF_LEAD}
-        given: CompoundLead | None = CompoundLead(shear_modulus=modulus, **values)
+        compound_lead: CompoundLead | None = CompoundLead(shear_modulus=modulus, **values)
     else:
-        given = None
+        compound_lead = None
     branch = None
     if rate is not None:
         per_area = NEWTON_PER_KILONEWTON * height / net
         branch = CompoundRate(
             shear_modulus=per_area * rate.stiffness, viscosity=per_area * rate.damping
         )
-    made = Compound(
+    compound = Compound(
         name=name or f"{bearing.name}-compound",
         family="NR" if bearing.kind == "LRB" else "HDR",
-        description=f"rubber of {bearing.name}" + (", with its lead" if given else ""),
+        description=f"rubber of {bearing.name}" + (", with its lead" if compound_lead else ""),
         citation=bearing.citation,
         rubber=rubber,
-        lead=given,
+        lead=compound_lead,
         rate=branch,
         **{key: getattr(bearing, key) for key in COPIED},
     )
-    return made.with_sources(_number_sources(bearing))
+    return compound.with_sources(_number_sources(bearing))
 
 
 def _number_sources(bearing: Bearing) -> dict[str, str]:
     """Return the sources of a bearing's numbers under the names that they have in a compound."""
-    found = {}
+    sources = {}
     for key, source in bearing.sources.items():
         table, _, name = key.partition(".")
         if key in RULES:
             new, rule, _ = RULES[key]
-            found[new] = f"{rule} of {bearing.name}; {source}"
+            sources[new] = f"{rule} of {bearing.name}; {source}"
         elif table == "hysteresis":
-            found[f"rubber.{name}"] = source
+            sources[f"rubber.{name}"] = source
         elif table in COPIED or (table == "lead" and name in OF_LEAD):
-            found[key] = source
-    return found
+            sources[key] = source
+    return sources
 
 
 def _find_kind(compound: Compound, *, with_lead: bool) -> str:
@@ -159,25 +167,49 @@ def split_parts(compound: Compound, geometry: Geometry, cores: Cores | None) -> 
 
 def _lead(compound: Compound, cores: Cores, height: float, post_yield: float) -> LeadCores:
     """Return the cores of the compound's lead; `post_yield` is K_2 of linear rubber [kN/mm]."""
-    given = compound.lead
-    if given is None:
+    lead = compound.lead
+    if lead is None:
         raise InputError(f"compound {compound.name} has no lead parameters")
-    if given.shear_modulus is not None:
-        stiffness = given.shear_modulus * cores.core_area / height / NEWTON_PER_KILONEWTON
+    if lead.shear_modulus is not None:
+        stiffness = lead.shear_modulus * cores.core_area / height / NEWTON_PER_KILONEWTON
     else:
-        stiffness = ((given.stiffness_ratio or 0.0) - 1.0) * post_yield / cores.cores
+        # K_1 - K_2 is the stiffness of all cores before they yield.
+        stiffness = ((lead.stiffness_ratio or 0.0) - 1.0) * post_yield / cores.cores
     return LeadCores(
         cores=cores.cores,
         diameter=cores.diameter,
         confined=cores.confined,
         end_spreading=cores.end_spreading,
         stiffness=stiffness,
-        **{key: getattr(given, key) for key in OF_LEAD},
+        **{key: getattr(lead, key) for key in OF_LEAD},
+    )
+
+
+def acting_rate(bearing: Bearing) -> RateDependence | None:
+    """Return the rate branch that acts in a bearing: its own or a borrowed one, times its factor.
+
+    None without a branch, or with a factor of zero.
+    """
+    band, branch = bearing.rate_band, bearing.rate
+    if band is None or (branch is not None and band.factor == 1.0):
+        return branch
+    if band.factor == 0.0 or (branch is None and band.shear_modulus is None):
+        return None
+    if band.shear_modulus is not None and band.viscosity is not None:
+        net = bearing.area - bearing.lead_area
+        per_modulus = net / bearing.total_rubber_thickness / NEWTON_PER_KILONEWTON
+        stiffness, damping = per_modulus * band.shear_modulus, per_modulus * band.viscosity
+    else:
+        assert branch is not None  # as the bearing's file was checked
+        stiffness, damping = branch.stiffness, branch.damping
+    # Without the limits of a file, which a small factor passes.
+    return RateDependence.model_construct(
+        stiffness=band.factor * stiffness, damping=band.factor * damping
     )
 
 
 def build_bearing(
-    compound: Compound, name: str, geometry: Geometry, cores: Cores | None = None, **more: Any
+    compound: Compound, name: str, geometry: Geometry, cores: Cores | None = None, **fields: Any
 ) -> Bearing:
     """Return a bearing of a compound and size.
 
@@ -192,7 +224,7 @@ def build_bearing(
         geometry=geometry,
         **split_parts(compound, geometry, cores),
         **{key: getattr(compound, key) for key in COPIED},
-        **more,
+        **fields,
     )
 
 

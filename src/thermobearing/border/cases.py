@@ -26,16 +26,17 @@ def load_things(
     """
     if key not in table:
         return []
-    given, faults, loaded = table[key], [], []
-    several = isinstance(given, list | tuple)
-    for number, item in enumerate(given if several else [given]):
+    entry, faults, loaded = table[key], [], []
+    is_list = isinstance(entry, list | tuple)
+    for number, item in enumerate(entry if is_list else [entry]):
         if isinstance(item, str | Path):
             try:
+                # A name of the library has no folder; a file is relative to that of its case.
                 item = load(folder / item if str(item).endswith(".toml") else item)
             except InputError as error:
-                faults += error.lines(before + (f"{key}[{number}]" if several else key))
+                faults += error.lines(before + (f"{key}[{number}]" if is_list else key))
         loaded.append(item)
-    table[key] = loaded if several else loaded[0]
+    table[key] = loaded if is_list else loaded[0]
     return faults
 
 
@@ -49,19 +50,19 @@ def load_all(
 
     File names in the table are relative to its folder, those in `overrides` to the current one.
     """
-    table, given = dict(table), {k: v for k, v in overrides.items() if v is not None}
+    table, replacements = dict(table), {k: v for k, v in overrides.items() if v is not None}
     faults: list[str] = []
     for key, load in loads.items():
-        if key in given:
-            faults += load_things(given, key, load)
+        if key in replacements:
+            faults += load_things(replacements, key, load)
         else:
             faults += load_things(table, key, load, folder)
-    return table, given, faults
+    return table, replacements, faults
 
 
-def unlike(faults: Sequence[str], known: Sequence[str]) -> list[str]:
-    """Return the errors of keys that have no error in `faults` yet."""
-    keys = {match[0] for match in map(KEY.match, known) if match}
+def unlike(faults: Sequence[str], reported: Sequence[str]) -> list[str]:
+    """Return the errors in `faults` of keys that have none in `reported` yet."""
+    keys = {match[0] for match in map(KEY.match, reported) if match}
     return [text for text in faults if (match := KEY.match(text)) is None or match[0] not in keys]
 
 
@@ -70,6 +71,8 @@ def read_case(model: type[M], table: dict[str, Any], where: str, faults: Sequenc
     try:
         case = validated(model, table, where)
     except InputError as error:
+        # What could not be loaded is still text, which validation reports as a wrong type; the
+        # message of loading says why.
         raise InputError([*faults, *unlike(error.problems, faults)], where) from None
     if faults:
         raise InputError(faults, where)
@@ -77,7 +80,7 @@ def read_case(model: type[M], table: dict[str, Any], where: str, faults: Sequenc
 
 
 def made_case(
-    given: Any,
+    case: Any,
     model: type[M],
     load: Callable[..., M],
     make: Callable[..., M],
@@ -85,15 +88,15 @@ def made_case(
     overrides: Mapping[str, Any],
 ) -> M:
     """Return a case from a file, a table (as read from a file) or a case."""
-    if isinstance(given, str | Path):
-        return load(given, **overrides)
-    if given is None or isinstance(given, dict):
-        return make(given or {}, where, **overrides)
-    if not isinstance(given, model):
+    if isinstance(case, str | Path):
+        return load(case, **overrides)
+    if case is None or isinstance(case, dict):
+        return make(case or {}, where, **overrides)
+    if not isinstance(case, model):
         raise InputError(f"needs a file, a table or a {model.__name__}", where)
     if overrides:
         raise InputError("a complete case accepts no further values", where)
-    return given
+    return case
 
 
 def absolute(table: Any, key: str, folder: Path) -> None:

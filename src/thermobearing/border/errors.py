@@ -2,15 +2,13 @@
 
 import difflib
 from collections.abc import Iterable, Mapping
-from contextlib import suppress
-from itertools import islice
-from pathlib import Path
 from unicodedata import category
 
 HIDDEN = ("Cc", "Cf", "Cs")  # control characters, marks without a shape, lone surrogates
+LONGEST_BITS = 1024  # of an integer that a message shows; Python does not write much larger ones
 LONGEST_NAME = 500  # characters of a path that a message shows
-MOST_BESIDE = 2000  # files of a folder that are searched for a similar name
-ALIKE, STEMS_ALIKE = 0.6, 0.75  # least similarity of names, and of files without their suffix
+NAME_SIMILARITY = 0.6  # least similarity of names, from 0 to 1
+STEM_SIMILARITY = 0.75  # the same of files without their suffix
 
 
 class ThermobearingError(Exception):
@@ -24,14 +22,14 @@ class InputError(ThermobearingError, ValueError):
     """
 
     def __init__(self, problems: str | Iterable[str], where: str = "") -> None:
-        given = [problems] if isinstance(problems, str) else problems
-        self.problems, self.where = [printable(text) for text in given], printable(where)
+        texts = [problems] if isinstance(problems, str) else problems
+        self.problems, self.where = [printable(text) for text in texts], printable(where)
         super().__init__(self.message())
 
     def lines(self, key: str = "") -> list[str]:
         """Return each problem with the name of its file, for a file that refers to it."""
-        before = "".join(f"{part}: " for part in (key, self.where) if part)
-        return [f"{before}{problem}" for problem in self.problems]
+        prefix = "".join(f"{part}: " for part in (key, self.where) if part)
+        return [f"{prefix}{problem}" for problem in self.problems]
 
     def located(self, where: object) -> "InputError":
         """Return the same fault under the name of a file, unless it names one already."""
@@ -43,8 +41,8 @@ class InputError(ThermobearingError, ValueError):
             return "\n".join(self.problems)
         if len(self.problems) == 1:
             return f"{self.where}: {self.problems[0]}"
-        listed = "\n".join(f"  - {problem}" for problem in self.problems)
-        return f"{self.where}: {len(self.problems)} problems\n{listed}"
+        bullets = "\n".join(f"  - {problem}" for problem in self.problems)
+        return f"{self.where}: {len(self.problems)} problems\n{bullets}"
 
 
 class OutputError(ThermobearingError):
@@ -54,66 +52,22 @@ class OutputError(ThermobearingError):
         super().__init__(printable(message))
 
 
-def read_bytes(path: Path, most: int) -> bytes:
-    """Return the content of a file, at most so many bytes (a device may be endless)."""
-    shown, hint = shortened(str(path), LONGEST_NAME), ""
-    try:
-        if path.is_fifo() and not str(path).startswith(("/dev/", "/proc/")):
-            raise InputError("is a named pipe, not a file", shown)  # it would wait for a writer
-        with path.open("rb") as file:
-            raw = file.read(most + 1)
-    except InputError:
-        raise
-    except FileNotFoundError:
-        with suppress(OSError, ValueError):  # name a file of nearly that name
-            beside = sorted(islice(path.parent.iterdir(), MOST_BESIDE))
-            beside.sort(key=lambda item: item.suffix == path.suffix)  # the last of a stem counts
-            names = {item.stem: item.name for item in beside}
-            hint = _suggestion(path.stem, names, STEMS_ALIKE)
-        raise InputError(f"no such file{hint}", shown) from None
-    except IsADirectoryError:
-        raise InputError("is a directory, not a file", shown) from None
-    except OSError as error:  # a name too long, no permission, a failing disk
-        raise InputError(f"cannot be read: {error.strerror or error}", shown) from None
-    except ValueError as error:  # a null byte in the path
-        raise InputError(f"cannot be read: {error}", repr(shown)) from None
-    if len(raw) > most:
-        raise InputError(f"is larger than {most / 1e6:g} MB", shown)
-    return raw
-
-
-def is_file(path: Path) -> bool:
-    """Return whether a file exists; False for impossible names, such as too long ones."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
-def is_folder(path: Path) -> bool:
-    """Return whether a folder exists; False for impossible names."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
-
-
-def closest(name: str, known: Iterable[str]) -> str:
+def closest(name: str, candidates: Iterable[str]) -> str:
     """Return a clause '; did you mean "..."?' with the closest known name, or nothing."""
-    return _suggestion(name, {one: one for one in known}, ALIKE)
+    return suggestion(name, {candidate: candidate for candidate in candidates}, NAME_SIMILARITY)
 
 
-def _suggestion(name: str, shown: Mapping[str, str], cutoff: float) -> str:
+def suggestion(name: str, display_names: Mapping[str, str], cutoff: float) -> str:
     """Return the clause with the value of the closest key, if that is similar enough."""
-    close = difflib.get_close_matches(str(name), sorted(shown), n=1, cutoff=cutoff)
-    return f'; did you mean "{shown[close[0]]}"?' if close else ""
+    close = difflib.get_close_matches(str(name), sorted(display_names), n=1, cutoff=cutoff)
+    return f'; did you mean "{display_names[close[0]]}"?' if close else ""
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def nearest(name: str, candidates: Iterable[str]) -> str:
     """Return a clause '; did you mean "..."?' with the closest name, or the list of names."""
-    names = sorted(known)
-    listed = f"; known: {', '.join(names)}" if names else ""
-    return closest(name, names) or listed
+    names = sorted(candidates)
+    all_names = f"; known: {', '.join(names)}" if names else ""
+    return closest(name, names) or all_names
 
 
 def printable(text: str) -> str:
@@ -130,6 +84,20 @@ def printable(text: str) -> str:
     return "".join(
         repr(mark)[1:-1] if mark != "\n" and category(mark) in HIDDEN else mark for mark in text
     )
+
+
+def short_repr(value: object, longest: int = 60) -> str:
+    """Return any value as one line for a message, also one that has no text.
+
+    >>> short_repr("x"), short_repr(10**5000)
+    ("'x'", 'an integer of 16610 bits')
+    """
+    if isinstance(value, int) and not isinstance(value, bool) and value.bit_length() > LONGEST_BITS:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        return shortened(" ".join(repr(value).split()), longest)
+    except Exception:  # an object of another library, or a list of such integers
+        return f"<{type(value).__name__}>"
 
 
 def shortened(text: str, longest: int = 60) -> str:

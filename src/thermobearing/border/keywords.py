@@ -1,37 +1,31 @@
-"""Unknown keyword arguments as errors that name the nearest known one."""
+"""Former names of keywords and options, and their present form."""
 
-import functools
-import inspect
-from collections.abc import Callable
-from typing import ParamSpec, TypeVar, get_args
-
-from thermobearing.border.errors import InputError, nearest
-
-P = ParamSpec("P")
-T = TypeVar("T")
+from collections.abc import Iterable
 
 
-def checked_keywords(function: Callable[P, T]) -> Callable[P, T]:
-    """Decorate a function so that an unknown keyword raises an InputError with the nearest name.
+def renamed(name: str, accepted: Iterable[str]) -> str:
+    """Return a clause with the new name of an old one that is among the known; else nothing.
 
-    Keywords listed in a TypedDict are known too.
-
-    >>> @checked_keywords
-    ... def save(path, *, overwrite=False):
-    ...     return overwrite
-    >>> save("out", overwrite=True)
-    True
+    >>> renamed("--force", ["--overwrite", "--json"])
+    '; it is called "--overwrite" since version 0.3.0'
+    >>> renamed("scheme", ["bearing", "model"])
+    '; give it in model = tb.ModelOptions(scheme=...)'
+    >>> renamed("--lead-ends", ["--bearing", "--model-option"])
+    '; give it as --model-option lead_ends=VALUE'
     """
-    arguments = inspect.signature(function).parameters
-    listed = [get_args(one.annotation) for one in arguments.values() if one.kind is one.VAR_KEYWORD]
-    known = [*arguments, *(name for kinds in listed for name in kinds[0].__annotations__)]
-    where = f"{function.__qualname__.removesuffix('.__init__')}()"
+    # Only a refusal needs these, and a command that prints its help imports none of them.
+    from thermobearing.border.library import data_path
+    from thermobearing.border.toml import read_toml
 
-    @functools.wraps(function)
-    def _call(*args: P.args, **keywords: P.kwargs) -> T:
-        unknown = [name for name in keywords if name not in known]
-        if unknown:
-            raise InputError([f'unknown key "{n}"{nearest(n, known)}' for n in unknown], where)
-        return function(*args, **keywords)
-
-    return _call
+    names = list(accepted)
+    table = read_toml(data_path("renamed.toml"))
+    for row in table["names"]:
+        if row["old"] == name and row["new"] in names:
+            return f'; it is called "{row["new"]}" since version {row["version"]}'
+    key = name.removeprefix("--").replace("-", "_")
+    for row in table["grouped"]:
+        for new, form in row["forms"].items():
+            same_kind = name.startswith("--") == new.startswith("--")
+            if key in row["old"] and new in names and same_kind:
+                return f"; give it {form.format(key=key)}"
+    return ""

@@ -10,7 +10,8 @@ from typing import Any, Self, TypeVar
 
 from pydantic import PrivateAttr
 
-from thermobearing.border.errors import InputError, is_folder, nearest
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.opener import is_folder
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import flat, read_toml, split_sources, to_table
 
@@ -34,8 +35,8 @@ def _checked(model: type[Strict], path: Path) -> Any:
 
 def read_data(model: type[R], *parts: str) -> R:
     """Return the checked content of a TOML file of the package, read once."""
-    found: R = _checked(model, data_path(*parts))
-    return found
+    content: R = _checked(model, data_path(*parts))
+    return content
 
 
 def is_path(name_or_path: str | Path) -> bool:
@@ -44,11 +45,11 @@ def is_path(name_or_path: str | Path) -> bool:
     return isinstance(name_or_path, Path) or text.endswith(".toml") or "/" in text
 
 
-def unknown_name(what: str, name: str, known: Iterable[str]) -> InputError:
+def unknown_name(kind: str, name: str, names: Iterable[str]) -> InputError:
     """Return the error for an unknown name, with the nearest known one, or for a directory."""
     if name and is_folder(Path(name)):
         return InputError("is a directory, not a file", name)
-    return InputError(f'no {what} is named "{name}"{nearest(name, known)}')
+    return InputError(f'no {kind} is named "{name}"{nearest(name, names)}')
 
 
 @cache
@@ -60,21 +61,25 @@ _shipped = cache(read_toml)  # a file of the package stays as it is while a prog
 
 
 @cache
-def _known(library: "Library", name: str, model: type[Strict]) -> dict[str, tuple[Any, str]]:
+def _built_in_entries(
+    library: "Library", name: str, model: type[Strict]
+) -> dict[str, tuple[Any, str]]:
     """Return values and sources of a built-in file by key, in the form of a validated object."""
     values, sources = split_sources(library.table(name)[0])
+    # As written: the laws of a command line would change the numbers that have the sources.
     context = {"from_file": True, "as_written": True}
     built_in = flat(to_table(model.model_validate(values, context=context)))
     return {key: (built_in.get(key), source) for key, source in sources.items()}
 
 
-def _over(base: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+def _with_differences(base: dict[str, Any], differences: dict[str, Any]) -> dict[str, Any]:
     """Return a table updated by another one; a number with its source is one value."""
     merged = dict(base)
-    for key, value in own.items():
-        below = merged.get(key)
-        deeper = isinstance(below, dict) and isinstance(value, dict) and "value" not in value
-        merged[key] = _over(below, value) if deeper and below is not None else value
+    for key, value in differences.items():
+        base_value = merged.get(key)
+        if isinstance(base_value, dict) and isinstance(value, dict) and "value" not in value:
+            value = _with_differences(base_value, value)
+        merged[key] = value
     return merged
 
 
@@ -99,7 +104,7 @@ class Sourced(Strict):
 class Library:
     """Built-in objects of one kind, a TOML file each, and the user's own files."""
 
-    what: str  # their kind in messages
+    kind: str  # in messages, such as "bearing"
     folder: str  # below the package's data
 
     def names(self) -> list[str]:
@@ -114,10 +119,10 @@ class Library:
             return data_path(self.folder, f"{text}.toml")
         if is_path(name_or_path):
             return Path(text)
-        raise unknown_name(self.what, text, names)
+        raise unknown_name(self.kind, text, names)
 
     def table(
-        self, name_or_path: str | Path, above: tuple[Path, ...] = ()
+        self, name_or_path: str | Path, chain: tuple[Path, ...] = ()
     ) -> tuple[dict[str, Any], str]:
         """Return the table of a file with its sources, and its path for messages; see `path`.
 
@@ -125,6 +130,7 @@ class Library:
         """
         path = self.path(name_or_path)
         built_in = str(name_or_path) in self.names()
+        # The cached table is shared by all callers; some of them change what they get.
         table = copy.deepcopy(_shipped(path)) if built_in else read_toml(path)
         base = table.pop("based_on", None)
         if base is None:
@@ -132,10 +138,10 @@ class Library:
         if not isinstance(base, str) or not base or "name" not in table:
             rule = "must be a name or a file, and the table needs its own name"
             raise InputError(f"based_on = {base!r}: {rule}", str(path))
-        if len(above) >= DEEPEST:
+        if len(chain) >= DEEPEST:
             raise InputError(f"based_on = {base!r}: the files are based on each other", str(path))
-        below = base if base in self.names() else path.parent / base
-        return _over(self.table(below, (*above, path))[0], table), str(path)
+        base_path = base if base in self.names() else path.parent / base
+        return _with_differences(self.table(base_path, (*chain, path))[0], table), str(path)
 
     def read(self, name_or_path: str | Path) -> tuple[dict[str, Any], str]:
         """Return the plain values of a file, and its path for messages; see `path`."""
@@ -153,26 +159,33 @@ class Library:
         name = str(table.get("name", ""))
         if name not in self.names():
             return {}
-        known, given = _known(self, name, model), flat(table)
-        return {key: source for key, (value, source) in known.items() if given.get(key) == value}
+        built_in, values = _built_in_entries(self, name, model), flat(table)
+        return {
+            key: source for key, (value, source) in built_in.items() if values.get(key) == value
+        }
 
 
 def sources_to_keep(
-    things: Iterable[tuple[Library, Sourced]], given: Mapping[str, Mapping[str, str]] | None = None
+    records: Iterable[tuple[Library, Sourced]],
+    stored: Mapping[str, Mapping[str, str]] | None = None,
 ) -> dict[str, dict[str, str]] | None:
     """Return the sources of numbers of objects outside their library; None if there are none.
 
     `given` holds the sources stored with a case, by name of the object.
     """
-    found: dict[str, dict[str, str]] = {}
-    for library, thing in things:
-        if not (thing.sources or given):
+    sources: dict[str, dict[str, str]] = {}
+    for library, record in records:
+        if not (record.sources or stored):
             continue
-        table = to_table(thing)
+        table = to_table(record)
         name = str(table["name"])
-        known = library.sources(type(thing), table)
-        own = {key: text for key, text in thing.sources.items() if known.get(key) != text}
-        kept = own or dict((given or {}).get(name, {}))
-        if kept:
-            found[name] = found.get(name, {}) | kept
-    return found or None
+        library_sources = library.sources(type(record), table)
+        # What the library states is read from there again; only other sources stay with a case.
+        differing = {
+            key: text for key, text in record.sources.items() if library_sources.get(key) != text
+        }
+        # The objects of a saved case have no sources of their own when it is read again.
+        record_sources = differing or dict((stored or {}).get(name, {}))
+        if record_sources:
+            sources[name] = sources.get(name, {}) | record_sources
+    return sources or None

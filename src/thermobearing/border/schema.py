@@ -7,7 +7,7 @@ from functools import cache
 from typing import Annotated, Any, NamedTuple, TypeVar, get_args
 from unicodedata import category
 
-from annotated_types import Ge, Gt, Le, Lt
+import numpy as np
 from pydantic import (
     AfterValidator,
     BaseModel,
@@ -20,18 +20,19 @@ from pydantic import (
     model_validator,
 )
 from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
-from thermobearing.border.errors import InputError, closest, nearest, printable, shortened
+from thermobearing.border.errors import InputError, closest, nearest, printable, short_repr
 from thermobearing.border.units import HUGEST, parse_quantity, with_unit
 
 M = TypeVar("M", bound="Strict")
+LONGEST_TEXT = 10_000  # characters of any text in a file
 LONGEST_NAME = 200  # characters of the name of a thing
 SOURCED = {"value", "source", "note"}  # keys of an entry {value = ..., source = ...}
 UNION = ("float", "int", "str", "bool", "none", "list", "tuple", "function", "constrained")
 TAGS = ("shape", "step", "kind", "part")  # keys that state which of several tables one is
 MOST_FAULTS = 50  # of a file that a message holds
-# Messages by the type of pydantic's error; "own" and "conflict" are types of errors raised here.
+LIMITS = {"gt": "greater than", "ge": "at least", "lt": "less than", "le": "at most"}
+# Messages by the type of pydantic's error; "own" and "conflict" are kinds of errors raised here.
 MESSAGES = {
     **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "must be a table"),
     **dict.fromkeys(("list_type", "tuple_type"), "must be a list"),
@@ -55,14 +56,25 @@ OneLine = AfterValidator(_one_line)
 Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
 
 
-def _own(message: str) -> PydanticCustomError:
-    return PydanticCustomError("own", "{text}", {"text": message})
+class FieldError(ValueError):
+    """Error that a validator raises; pydantic gives it the type "value_error".
+
+    `kind` is "own" for an error of one value, "conflict" for one of a combination of keys.
+    """
+
+    kind = "own"
+
+
+class _ConflictError(FieldError):
+    kind = "conflict"
 
 
 class Strict(BaseModel):
     """Immutable record that refuses unknown keys, numbers that are not finite or not numbers."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False, str_max_length=LONGEST_TEXT
+    )
 
     def __init__(self, **data: Any) -> None:
         try:
@@ -83,7 +95,7 @@ class Strict(BaseModel):
         super().__setattr__(name, value)
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
         """Return the errors in the combination of the given keys."""
         return []
 
@@ -93,23 +105,27 @@ class Strict(BaseModel):
         """Raise errors of single keys and of their combination together."""
         if not isinstance(data, dict):
             return handler(data)
-        given = {name: value for name, value in data.items() if value is not None}
-        faults = [_fault("conflict", text, (), data) for text in cls._conflicts(given)]
+        # None stands for a key that is not set, so it conflicts with no other.
+        values = {name: value for name, value in data.items() if value is not None}
+        faults = [_fault(_ConflictError(text), (), data) for text in cls._conflicts(values)]
         try:
-            found = handler({name: _marked(cls, name, value) for name, value in data.items()})
+            record = handler({name: _marked(cls, name, value) for name, value in data.items()})
         except ValidationError as error:
-            again = [_again(item) for item in error.errors(include_url=False)]
-            raise ValidationError.from_exception_data(cls.__name__, [*again, *faults]) from None
+            field_errors = [_raised_again(item) for item in error.errors(include_url=False)]
+            raise ValidationError.from_exception_data(
+                cls.__name__, [*field_errors, *faults]
+            ) from None
+        # Sizes are checked after conversion: text has none before its unit is known.
         for name in cls.model_fields:
-            value = getattr(found, name)
-            if isinstance(value, float) and (text := _slip(cls, name, value)):
-                faults.append(_fault("own", text, (name,), value))
+            value = getattr(record, name)
+            if isinstance(value, float) and (text := _implausible_size(cls, name, value)):
+                faults.append(_fault(FieldError(text), (name,), value))
         if faults:
             raise ValidationError.from_exception_data(cls.__name__, faults)
-        return found
+        return record
 
 
-def _slip(model: type[BaseModel], name: str, value: float) -> str:
+def _implausible_size(model: type[BaseModel], name: str, value: float) -> str:
     """Return an error for a number of implausible size (usually a wrong unit or exponent)."""
     kind = _kind(model, name)
     unit = f" {kind.unit}" if kind.unit else ""
@@ -134,24 +150,19 @@ def _marked(model: type[BaseModel], name: str, value: Any) -> Any:
     """Return the value, marked if text or a boolean is given for a plain number, or 1 for true."""
     if name not in model.model_fields or not isinstance(value, bool | str | int | float):
         return value
-    plain, truth = _kind(model, name)[1:3]
-    wrong = (plain and isinstance(value, bool | str)) or (truth and not isinstance(value, bool))
-    return _Converted(value) if wrong else value
+    kind = _kind(model, name)
+    is_no_number = kind.plain and isinstance(value, bool | str)
+    is_no_boolean = kind.boolean and not isinstance(value, bool)
+    return _Converted(value) if is_no_number or is_no_boolean else value
 
 
-def _fault(kind: str, text: str, location: tuple[int | str, ...], value: Any) -> InitErrorDetails:
-    error = PydanticCustomError(kind, "{text}", {"text": text})
-    return InitErrorDetails(type=error, loc=location, input=value)
+def _fault(error: ValueError, location: tuple[int | str, ...], value: Any) -> Any:
+    return {"type": "value_error", "loc": location, "input": value, "ctx": {"error": error}}
 
 
-def _again(item: ErrorDetails) -> InitErrorDetails:
+def _raised_again(item: Mapping[str, Any]) -> Any:
     """One item of a validation error, raised again together with others."""
-    if item["type"] in ("own", "conflict"):
-        return _fault(item["type"], item["msg"], item["loc"], item["input"])
-    again = InitErrorDetails(type=item["type"], loc=item["loc"], input=item["input"])
-    if "ctx" in item:
-        again["ctx"] = item["ctx"]
-    return again
+    return {key: item[key] for key in ("type", "loc", "input", "ctx") if key in item}
 
 
 class _Kind(NamedTuple):
@@ -159,7 +170,7 @@ class _Kind(NamedTuple):
 
     unit: str | None
     plain: bool  # a number without a unit
-    truth: bool  # true or false only
+    boolean: bool  # true or false only
     bounded: bool  # has an upper limit
     positive: bool  # must be more than zero
 
@@ -173,9 +184,9 @@ def _kind(model: type[BaseModel], name: str) -> _Kind:
     return _Kind(
         unit=units[0] if units else None,
         plain=bool(types & {int, float}) and not types & {bool, str} and not units,
-        truth=types - {type(None)} == {bool},
-        bounded=any(isinstance(part, Le | Lt) for part in parts),
-        positive=any(isinstance(part, Gt) and part.gt == 0 for part in parts),
+        boolean=types - {type(None)} == {bool},
+        bounded=any(name in ("le", "lt") for name, _ in _limits(parts)),
+        positive=("gt", 0) in _limits(parts),
     )
 
 
@@ -194,11 +205,11 @@ class _InUnit:
             try:
                 return parse_quantity(value, self.unit)
             except InputError as error:
-                raise _own(str(error)) from None
+                raise FieldError(str(error)) from None
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise _own(f'expected text such as "1.5 {self.unit}"')
+            raise FieldError(f'expected text such as "1.5 {self.unit}"')
         if info.context and info.context.get("from_file") and math.isfinite(value):
-            raise _own(f'has no unit; write "{value} {self.unit}" if that is meant')
+            raise FieldError(f'has no unit; write "{value} {self.unit}" if that is meant')
         return value
 
 
@@ -232,6 +243,16 @@ def _parts(item: Any) -> Iterator[Any]:
         yield from _parts(part)
 
 
+def _limits(parts: Iterable[Any]) -> list[tuple[str, float]]:
+    """Return the limits among the parts of a field: "gt", "ge", "lt" or "le", and the number."""
+    return [
+        (name, getattr(part, name))
+        for part in parts
+        for name in LIMITS
+        if not isinstance(part, type) and hasattr(part, name)
+    ]
+
+
 def validated(model: type[M], data: Any, where: str, *, from_file: bool = True) -> M:
     """Return data checked against a model, all faults in one InputError."""
     if not isinstance(data, dict):
@@ -246,6 +267,8 @@ def _resolve(
     model: type[BaseModel], location: tuple[int | str, ...]
 ) -> tuple[str, type[BaseModel], str]:
     """Dotted key, owning model and field name of an error location, without union tags."""
+    # pydantic puts the tag or type of the tried member of a union into a location. The file has no
+    # such key, so the tables that can stand at each place are followed along the location.
     models, owner, name = [model], model, ""
     keys: list[str] = []
     for part in location:
@@ -263,90 +286,91 @@ def _resolve(
         owner = next((m for m in models if part in m.model_fields), models[0] if models else owner)
         name = part
         if part in owner.model_fields:
-            found = _parts(owner.model_fields[part])
-            models = [m for m in found if isinstance(m, type) and issubclass(m, BaseModel)]
+            parts = _parts(owner.model_fields[part])
+            models = [m for m in parts if isinstance(m, type) and issubclass(m, BaseModel)]
     return ".".join(keys), owner, name
 
 
 def _tags(model: type[BaseModel]) -> list[str]:
-    known = [model.model_fields[name].annotation for name in TAGS if name in model.model_fields]
-    return [str(tag) for annotation in known for tag in get_args(annotation)]
+    annotations = [
+        model.model_fields[name].annotation for name in TAGS if name in model.model_fields
+    ]
+    return [str(tag) for annotation in annotations for tag in get_args(annotation)]
 
 
 def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
     """Return the messages of an error: at most MOST_FAULTS, then the number of the others."""
-    found = error.errors(include_url=False)
-    shown = [_sentence(model, item) for item in found[:MOST_FAULTS]]
-    return shown + ([f"{len(found) - len(shown)} more"] if len(found) > len(shown) else [])
+    errors = error.errors(include_url=False)
+    messages = [_sentence(model, item) for item in errors[:MOST_FAULTS]]
+    if len(errors) > len(messages):
+        messages.append(f"{len(errors) - len(messages)} more")
+    return messages
 
 
-def _sentence(model: type[BaseModel], item: ErrorDetails) -> str:
+def _sentence(model: type[BaseModel], item: Mapping[str, Any]) -> str:
     """Return one message: key, value, allowed range with unit, nearest name."""
     key, owner, name = _resolve(model, item["loc"])
     kind, value, context = item["type"], item["input"], item.get("ctx", {})
+    message = item["msg"].removeprefix("Value error, ")
+    if isinstance(error := context.get("error"), FieldError):
+        kind = error.kind
     if kind == "extra_forbidden":
         return f'unknown key "{key}"{nearest(name, owner.model_fields)}'
     if kind == "missing":
         unit = find_unit(owner, name)
         return f'missing key "{key}"' + (f' = "... {unit}"' if unit else "")
     if kind == "conflict":
-        return f"{key}: {item['msg']}" if key else item["msg"]
+        return f"{key}: {message}" if key else message
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         tag = context["discriminator"].strip("'")
-        given = value.get(tag) if isinstance(value, dict) else None
-        if isinstance(value, dict) and given is None:
+        tag_value = value.get(tag) if isinstance(value, dict) else None
+        if isinstance(value, dict) and tag_value is None:
             return f'missing key "{key}.{tag}"'
-        if given is not None:
-            key, kind, value = f"{key}.{tag}", "literal_error", given
+        if tag_value is not None:
+            key, kind, value = f"{key}.{tag}", "literal_error", tag_value
             context = {"expected": f"one of {context['expected_tags']}"}
         else:
             kind = "dict_type"
-    message = item["msg"].removeprefix("Value error, ")
     if isinstance(value, dict) and kind != "value_error" and set(value) & SOURCED:
-        strange = sorted(set(value) - SOURCED)
+        # `split_sources` takes {value, source, note} apart; an entry that is still a table here
+        # lacks its value or has a misspelled key.
+        unknown_keys = sorted(set(value) - SOURCED)
         message = f'an entry with a source needs a "value"; got {", ".join(sorted(value))}'
-        if strange and "value" in value:
-            message = f'unknown key "{strange[0]}" next to "value"{nearest(strange[0], SOURCED)}'
+        if unknown_keys and "value" in value:
+            hint = nearest(unknown_keys[0], SOURCED)
+            message = f'unknown key "{unknown_keys[0]}" next to "value"{hint}'
     elif kind == "literal_error":
-        known = context["expected"].split("'")[1::2]
+        options = context["expected"].split("'")[1::2]
         message = f"must be {context['expected']}"
-        message += closest(value, known) if isinstance(value, str) else ""
+        message += closest(value, options) if isinstance(value, str) else ""
     elif kind in MESSAGES:
         message = MESSAGES[kind].format(**context)
     elif kind not in ("own", "value_error"):
         message = f"must be {_allowed(owner, name)}"
-    shown = "" if kind == "value_error" else f" = {shortened(repr(value))}"
-    return f"{key}{shown}: {message}" if key else message
+    value_text = "" if kind == "value_error" else f" = {short_repr(value)}"
+    return f"{key}{value_text}: {message}" if key else message
 
 
 def _allowed(model: type[BaseModel], name: str) -> str:
     """Return the numbers a field takes, such as "a number greater than 0 and at most 5 mm"."""
     parts = list(_parts(model.model_fields[name]))
-    what = "an integer" if int in parts and float not in parts else "a number"
-    words = {Gt: "greater than", Ge: "at least", Lt: "less than", Le: "at most"}
-    limits = [
-        f"{words[type(part)]} {getattr(part, type(part).__name__.lower()):g}"
-        for part in parts
-        if type(part) in words
-    ]
+    noun = "an integer" if int in parts and float not in parts else "a number"
+    limits = [f"{LIMITS[name]} {limit:g}" for name, limit in _limits(parts)]
     if not limits:
-        what = what.replace("a number", "a finite number")
+        noun = noun.replace("a number", "a finite number")
     unit = find_unit(model, name) or (RATIO.words if RATIO in parts else "")
-    return " ".join(word for word in (what, " and ".join(limits), unit) if word)
+    return " ".join(word for word in (noun, " and ".join(limits), unit) if word)
 
 
 def field_limits(model: type[BaseModel], name: str) -> dict[str, Any]:
     """Return unit, limits and kind of a field, and what it takes in words."""
     parts = list(_parts(model.model_fields[name]))
-    found: dict[str, Any] = {"unit": find_unit(model, name)}
-    for part in parts:
-        match part:
-            case Ge(ge=low) | Gt(gt=low):
-                found |= {"low": low, "low_open": isinstance(part, Gt)}
-            case Le(le=high) | Lt(lt=high):
-                found |= {"high": high, "high_open": isinstance(part, Lt)}
+    limits: dict[str, Any] = {"unit": find_unit(model, name)}
+    for kind, limit in _limits(parts):
+        side = "low" if kind in ("gt", "ge") else "high"
+        limits |= {side: limit, f"{side}_open": kind in ("gt", "lt")}
     integer = int in parts and float not in parts
-    return found | {"integer": integer, "allowed": _allowed(model, name)}
+    return limits | {"integer": integer, "allowed": _allowed(model, name)}
 
 
 def text_with_unit(value: Any, unit: str | None) -> Any:
@@ -369,7 +393,7 @@ def updated(table: Any, changes: Mapping[str, Any]) -> Any:
 
 def overridden(
     table: Mapping[str, Any],
-    given: Mapping[str, Any],
+    changes: Mapping[str, Any],
     model: type[Strict],
     sections: Mapping[str, type[Strict]] | None = None,
 ) -> dict[str, Any]:
@@ -380,19 +404,25 @@ def overridden(
     unknown key goes into the table too, for the check to find it.
     """
     table = dict(table)
-    for key, value in given.items():
+    for key, value in changes.items():
         if value is None:
             continue
-        homes = [] if key in model.model_fields else list((sections or {}).items())
-        home = next((item for item in homes if key in item[1].model_fields), None)
-        owner = home[1] if home else model
+        candidates = [] if key in model.model_fields else list((sections or {}).items())
+        section = next((item for item in candidates if key in item[1].model_fields), None)
+        owner = section[1] if section else model
         unit = find_unit(owner, key) if key in owner.model_fields else None
         text = text_with_unit(value, unit)
-        if home:
-            table[home[0]] = updated(table.get(home[0], {}), {key: text})
+        if section:
+            table[section[0]] = updated(table.get(section[0], {}), {key: text})
         else:
             table[key] = text
     return table
+
+
+def check_seed(seed: int, where: str = "") -> None:
+    """Refuse what is no seed of random numbers."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError(f"seed = {short_repr(seed)}: must be an integer of 0 or more", where)
 
 
 def check_workers(where: str, executor: Any = None, progress: Any = None) -> None:

@@ -49,12 +49,12 @@ def file_names(names: Iterable[str]) -> list[str]:
     >>> file_names(["HDR 1/6", "HDR 1:6", "\u514d\u9707"])
     ['HDR-1-6', 'HDR-1-6-2', '\u514d\u9707']
     """
-    found: list[str] = []
+    unique_names: list[str] = []
     for name in names:
         stem = re.sub(r"[^\w.+-]+", "-", name)[:80] or "file"
-        count = sum(one == stem or one.startswith(f"{stem}-") for one in found)
-        found.append(stem if stem not in found else f"{stem}-{count + 1}")
-    return found
+        count = sum(earlier == stem or earlier.startswith(f"{stem}-") for earlier in unique_names)
+        unique_names.append(stem if stem not in unique_names else f"{stem}-{count + 1}")
+    return unique_names
 
 
 def check_file(target: Path, *, overwrite: bool) -> None:
@@ -68,7 +68,7 @@ def check_file(target: Path, *, overwrite: bool) -> None:
                 "choose another file"
             )
     except (OSError, ValueError) as error:  # a name too long, a null byte in it
-        raise _unwritten(target, error) from None
+        raise _write_error(target, error) from None
 
 
 def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
@@ -77,9 +77,9 @@ def write_file(target: Path, content: str | bytes, *, overwrite: bool) -> None:
     try:
         write_whole(target, content.encode("utf-8") if isinstance(content, str) else content)
     except (OSError, ValueError) as error:  # no such directory, a full disk
-        raise _unwritten(target, error) from None
+        raise _write_error(target, error) from None
 
 
-def _unwritten(target: Path, error: Exception) -> OutputError:
+def _write_error(target: Path, error: Exception) -> OutputError:
     """Return the error for a file that the system does not write."""
     return OutputError(f"{target}: cannot be written: {getattr(error, 'strerror', None) or error}")

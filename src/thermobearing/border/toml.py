@@ -8,15 +8,29 @@ from typing import Any
 
 import tomli_w
 
-from thermobearing.border.errors import InputError, read_bytes, shortened
+from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.opener import read_bytes
 from thermobearing.border.schema import SOURCED, Strict, find_unit
 from thermobearing.border.units import with_unit
 
+DIGITS = 12  # of the numbers in files of bearings and compounds
 BITS = 63  # of an integer in TOML, without its sign
 DEEPEST = 50  # nested tables; a case has six levels
 LARGEST_FILE = 10_000_000  # bytes of TOML
-MOST_KEYS = 100_000  # keys and headers of tables in a file
+MOST_KEYS = 100_000  # keys, headers, lists and tables in a file
+MOST_VALUES = 1_000_000  # in lists
+MOST_PARTS = 1_000_000  # of dotted keys, added up
 _MARKS = re.compile(r"([,=\[\]{}])")
+# Texts and comments, which may hold any mark. None fails where its end is missing, so that each
+# character is looked at once.
+_QUOTED = re.compile(
+    r'"""(?:[^"\\]++|\\.|"(?!""))*+(?:"{3,5})?'
+    r"|'''(?:[^']++|'(?!''))*+(?:'{3,5})?"
+    r'|"(?:[^"\\\n]++|\\[^\n])*+"?'
+    r"|'[^'\n]*+'?|#[^\n]*+",
+    re.DOTALL,
+)
+QUOTED = "_"  # what stands for them
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -26,10 +40,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError("is a Python file; give a file with laws of your own by --law", str(path))
     try:
         text = raw.decode("utf-8-sig")
-        _check_keys(text, str(path))
-        table = tomllib.loads(text)
     except UnicodeDecodeError as error:
         raise InputError(f"is not UTF-8 text (byte {error.start + 1})", str(path)) from None
+    _check_keys(text, str(path))
+    try:
+        table = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"is not valid TOML: {error}", str(path)) from None
     except ValueError as error:  # a number of thousands of digits
@@ -39,16 +54,27 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def _check_keys(text: str, where: str) -> None:
-    """Reject text that takes a parser minutes: too many keys, or keys of too many parts."""
-    if text.count("=") + text.count("\n[") > MOST_KEYS:
-        raise InputError(f"has more than {MOST_KEYS} keys", where)
-    for number, line in enumerate(text.splitlines(), 1):
-        if line.count(".") <= DEEPEST:
+    """Reject text that takes a parser minutes: too many keys, tables or values, or long keys."""
+    bare = _QUOTED.sub(QUOTED, text)
+    if sum(bare.count(mark) for mark in "=[{") > MOST_KEYS:
+        raise InputError(f"has more than {MOST_KEYS} keys, lists and tables", where)
+    if bare.count(",") > MOST_VALUES:
+        raise InputError(f"has more than {MOST_VALUES} values in lists", where)
+    total = 0
+    for number, line in enumerate(bare.splitlines(), 1):
+        if "." not in line:
             continue
+        # Numbers hold dots too: only what ends at "=" or "]" is a key.
         parts = _MARKS.split(line)
         for part, mark in zip(parts[::2], parts[1::2], strict=False):
-            if mark in "=]" and part.count(".") > DEEPEST:
+            if mark not in "=]":
+                continue
+            dots = part.count(".")
+            total += dots
+            if dots > DEEPEST:
                 raise InputError(f"line {number}: a key of more than {DEEPEST} parts", where)
+    if total > MOST_PARTS:
+        raise InputError(f"has keys of more than {MOST_PARTS} parts in all", where)
 
 
 def _check_sizes(table: dict[str, Any], where: str) -> None:
@@ -76,8 +102,13 @@ def _check_sizes(table: dict[str, Any], where: str) -> None:
 def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
     """Return plain values and sources of a table whose entries may be {value, source, note}."""
     if isinstance(table, list):
-        pairs = [split_sources(item, f"{key}[{k}]") for k, item in enumerate(table)]
-        return [value for value, _ in pairs], {k: v for _, found in pairs for k, v in found.items()}
+        items: list[Any] = []
+        sources_of_items: dict[str, str] = {}
+        for number, item in enumerate(table):
+            value, item_sources = split_sources(item, f"{key}[{number}]")
+            items.append(value)
+            sources_of_items |= item_sources
+        return items, sources_of_items
     if not isinstance(table, dict):
         return table, {}
     if key and "value" in table and set(table) <= SOURCED:  # a file is a table in any case
@@ -86,8 +117,8 @@ def split_sources(table: Any, key: str = "") -> tuple[Any, dict[str, str]]:
     values: dict[str, Any] = {}
     sources: dict[str, str] = {}
     for name, entry in table.items():
-        values[name], found = split_sources(entry, f"{key}.{name}" if key else name)
-        sources |= found
+        values[name], item_sources = split_sources(entry, f"{key}.{name}" if key else name)
+        sources |= item_sources
     return values, sources
 
 
@@ -97,33 +128,38 @@ def flat(table: Mapping[str, Any], key: str = "") -> dict[str, Any]:
     >>> flat({"a": {"b": 1}, "c": [{"d": 2}], "e": [3, 4]})
     {'a.b': 1, 'c[0].d': 2, 'e': [3, 4]}
     """
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name, value in table.items():
-        own = f"{key}.{name}" if key else name
+        dotted_key = f"{key}.{name}" if key else name
         if isinstance(value, Mapping):
-            found |= flat(value, own)
+            values |= flat(value, dotted_key)
         elif isinstance(value, list | tuple) and value and isinstance(value[0], Mapping):
             for number, item in enumerate(value):
-                found |= flat(item, f"{own}[{number}]")
+                values |= flat(item, f"{dotted_key}[{number}]")
         else:
-            found[own] = value
-    return found
+            values[dotted_key] = value
+    return values
 
 
-def to_table(model: Strict) -> dict[str, Any]:
-    """Return a model as a TOML table: units on every number, unset choices left out."""
+def to_table(model: Strict, digits: int | None = None) -> dict[str, Any]:
+    """Return a model as a TOML table: units on every number, unset choices left out.
+
+    Numbers have so many significant `digits`; by default, those that read back to the same bits.
+    """
     return {
-        name: _entry(value, find_unit(type(model), name))
+        name: _entry(value, find_unit(type(model), name), digits)
         for name in type(model).model_fields
         if (value := getattr(model, name)) is not None and value != ""
     }
 
 
-def _entry(value: Any, unit: str | None) -> Any:
+def _entry(value: Any, unit: str | None, digits: int | None) -> Any:
     if isinstance(value, Strict):
-        return to_table(value)
+        return to_table(value, digits)
     if isinstance(value, list | tuple):
-        return [_entry(item, unit) for item in value]
+        return [_entry(item, unit, digits) for item in value]
+    if isinstance(value, float) and digits is not None:
+        value = float(f"{value:.{digits}g}")
     if unit and isinstance(value, int | float):
         return with_unit(float(value), unit)
     return value
@@ -138,13 +174,13 @@ def with_sources(table: dict[str, Any], sources: Mapping[str, str]) -> dict[str,
         *tables, name = key.split(".")
         inner: Any = table
         for part in tables:
-            inner = _entry_below(inner, part)
+            inner = _inner_table(inner, part)
         if tables and name in inner and not isinstance(inner[name], dict):
             inner[name] = {"value": inner[name], "source": source}
     return table
 
 
-def _entry_below(table: Mapping[str, Any], part: str) -> Any:
+def _inner_table(table: Mapping[str, Any], part: str) -> Any:
     """The table of a name, or one of a list of them (`masses[2]`); an empty one where none is."""
     name, _, place = part.rstrip("]").partition("[")
     if not place:
@@ -153,9 +189,12 @@ def _entry_below(table: Mapping[str, Any], part: str) -> Any:
     return items[int(place)] if int(place) < len(items) else {}
 
 
-def sourced_toml(model: Strict, sources: Mapping[str, str]) -> str:
-    """Return a model as a library file, with the source of each number where one is known."""
-    return tomli_w.dumps(with_sources(to_table(model), sources))
+def sourced_toml(model: Strict, sources: Mapping[str, str], *, digits: int | None = None) -> str:
+    """Return a model as a library file, with the source of each number where one is known.
+
+    `digits` are those of `to_table`: with 12, 36.0744696 instead of 36.07446959999999.
+    """
+    return tomli_w.dumps(with_sources(to_table(model, digits), sources))
 
 
 def to_toml(model: Strict, *, without: str = "") -> str:

@@ -16,12 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.errors import InputError, short_repr, shortened
 
 Floats = NDArray[np.float64]
+# All patterns of numbers are made of these. No part of a text fits two parts of one, so that none
+# tries a long text in many ways.
+UNSIGNED = r"(?:\d+(?:\.\d*)?|\.\d+)"
+NUMBER = rf"[-+]?{UNSIGNED}(?:[eE][-+]?\d+)?"
+FORTRAN_NUMBER = rf"[-+]?{UNSIGNED}(?:[eEdD][-+]?\d+)?"
 _NUMBER_AND_UNIT = re.compile(
-    r"^\s*(?P<number>[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|(?i:nan|inf(?:inity)?)\b))"
-    r"\s*(?P<unit>\S.*?)?\s*$"
+    rf"^\s*(?P<number>{NUMBER}|[-+]?(?i:nan|inf(?:inity)?)\b)\s*(?P<unit>\S.*?)?\s*$"
 )
 # Names, products, quotients, brackets and powers of one digit. pint evaluates what it is given
 # as arithmetic, so a tower such as mm**9**9**9 must not reach it.
@@ -51,20 +55,21 @@ def conversion(unit: str, target: str) -> tuple[float, float]:
     """Return scale and offset from `unit` to `target`; InputError if that makes no sense."""
     if unit == target:
         return 1.0, 0.0
-    usual = _usual().get(target, {}).get(unit)
+    factor = _common_factors().get(target, {}).get(unit)
     # pint takes longer to be imported than a small run, and most files have no other units.
-    return (usual, 0.0) if usual is not None else _converted(unit, target)
+    return (factor, 0.0) if factor is not None else _pint_conversion(unit, target)
 
 
 @cache
-def _usual() -> dict[str, dict[str, float]]:
+def _common_factors() -> dict[str, dict[str, float]]:
     """Return factors of common units, by wanted unit and given unit."""
     table = resources.files("thermobearing") / "data" / "units" / "usual.toml"
-    found: dict[str, dict[str, float]] = tomllib.loads(table.read_text(encoding="utf-8"))["factors"]
-    return found
+    content = tomllib.loads(table.read_text(encoding="utf-8"))
+    factors: dict[str, dict[str, float]] = content["factors"]
+    return factors
 
 
-def _converted(unit: str, target: str) -> tuple[float, float]:
+def _pint_conversion(unit: str, target: str) -> tuple[float, float]:
     """Return scale and offset as pint finds them."""
     import pint
 
@@ -76,11 +81,13 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
     if not _UNIT.match(spelled):
         raise unknown
     try:
-        given = registry.Quantity(1.0, spelled)
-        one = given.to(target).magnitude
-        zero = registry.Quantity(0.0, spelled).to(target).magnitude
+        unit_quantity = registry.Quantity(1.0, spelled)
+        # A conversion is linear: its scale and offset follow from two points. Only temperatures
+        # have an offset.
+        at_one = unit_quantity.to(target).magnitude
+        at_zero = registry.Quantity(0.0, spelled).to(target).magnitude
         # pint counts radians as 1, which would make 1 rad/s into 1 Hz.
-        angular = "radian" in str(given.to_root_units().units)
+        angular = "radian" in str(unit_quantity.to_root_units().units)
     except pint.DimensionalityError:
         raise InputError(f'unit "{unit}" cannot be converted to {target}') from None
     except (pint.PintError, ArithmeticError, AssertionError, AttributeError, LookupError):
@@ -93,10 +100,20 @@ def _converted(unit: str, target: str) -> tuple[float, float]:
         )
     if target == "deg" and not angular:  # nor percent, which pint takes as parts of a radian
         raise InputError(f'unit "{unit}" cannot be converted to {target}')
-    if zero != 0.0 and target != "degC":
+    if at_zero != 0.0 and target != "degC":
         raise InputError(f'"{unit}" is a temperature; a difference is given in {target}')
-    scale = 1.0 if spelled == target else one - zero
-    return scale, zero
+    scale = 1.0 if spelled == target else at_one - at_zero
+    return scale, at_zero
+
+
+def split_quantity(text: str) -> tuple[str, str] | None:
+    """Return the number of a text and its unit ("" without one); None for any other text.
+
+    >>> split_quantity("1.5e3 kN/mm"), split_quantity("nan"), split_quantity("two mm")
+    (('1.5e3', 'kN/mm'), ('nan', ''), None)
+    """
+    match = _NUMBER_AND_UNIT.match(text) if len(text) <= LONGEST else None
+    return None if match is None else (match["number"], match["unit"] or "")
 
 
 def parse_quantity(text: str, unit: str) -> float:
@@ -105,17 +122,18 @@ def parse_quantity(text: str, unit: str) -> float:
     >>> parse_quantity("3.2 cm", "mm")
     32.0
     """
-    match = _NUMBER_AND_UNIT.match(text) if len(text) <= LONGEST else None
-    if match is None:
+    parts = split_quantity(text)
+    if parts is None:
         raise InputError(f'"{shortened(text)}" is not a number with a unit, such as "1.5 {unit}"')
-    if not match["unit"]:
+    number, number_unit = parts
+    if not number_unit:
         raise InputError(
             f'"{text}" has no unit; write "{text.strip()} {unit}" if this is the intended unit'
         )
-    if match["unit"].startswith(","):
+    if number_unit.startswith(","):
         raise InputError(f'"{shortened(text)}": use a decimal point, as in "1.5 {unit}"')
-    scale, offset = conversion(match["unit"], unit)
-    value = float(match["number"]) * scale + offset
+    scale, offset = conversion(number_unit, unit)
+    value = float(number) * scale + offset
     if not math.isfinite(value):
         raise InputError(f'"{text}" is not a finite number')
     return value
@@ -139,37 +157,42 @@ def is_number(value: Any) -> bool:
     return isinstance(value, float | np.floating) or abs(int(value)) <= LARGEST
 
 
-def one_or_several(given: Any) -> list[Any]:
+def one_or_several(value: Any) -> list[Any]:
     """Return the items of a list, or a list of a single value."""
-    if isinstance(given, Iterable) and not isinstance(given, str | bytes | Mapping):
-        return list(given)
-    return [given]
+    if isinstance(value, Iterable) and not isinstance(value, str | bytes | Mapping):
+        return list(value)
+    return [value]
 
 
-def refuse_hidden(values: Any, what: str) -> None:
+def refuse_hidden(values: Any, label: str) -> None:
     """Reject masked values and complex numbers, which numpy would convert silently."""
-    listed = values if isinstance(values, list | tuple) else ()
-    if np.ma.is_masked(values) or any(value is np.ma.masked for value in listed):
-        raise InputError(f"{what}: values are masked; fill them, or cut the record before them")
-    if np.iscomplexobj(values) or any(isinstance(value, complex) for value in listed):
-        raise InputError(f"{what}: the numbers are complex; give the real part if that is intended")
-
-
-def number_list(values: Any, what: str) -> Floats:
-    """Return a list of finite numbers as an array; one number counts as a list of one."""
-    refuse_hidden(values, what)
-    try:
-        found = np.atleast_1d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError, OverflowError):
-        found = np.zeros((0, 0))
-    if found.ndim != 1 or not len(found):
-        raise InputError(f"{what}: must be a list of numbers, got {shortened(repr(values))}")
-    if not np.isfinite(found).all():
-        at = int(np.argmin(np.isfinite(found)))
-        raise InputError(f"{what}: {found[at]:g} at place {at + 1} (index {at}) is not finite")
-    if float(np.abs(found).max()) > HUGEST:
-        at = int(np.abs(found).argmax())
+    elements = values if isinstance(values, list | tuple) else ()
+    if np.ma.is_masked(values) or any(value is np.ma.masked for value in elements):
+        raise InputError(f"{label}: values are masked; fill them, or cut the record before them")
+    if np.iscomplexobj(values) or any(isinstance(value, complex) for value in elements):
         raise InputError(
-            f"{what}: {found[at]:g} at place {at + 1} (index {at}) is more than {HUGEST:g}"
+            f"{label}: the numbers are complex; give the real part if that is intended"
         )
-    return found
+
+
+def number_list(values: Any, label: str) -> Floats:
+    """Return a list of finite numbers as an array; one number counts as a list of one."""
+    refuse_hidden(values, label)
+    try:
+        numbers = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError, OverflowError):
+        numbers = np.zeros((0, 0))
+    if numbers.ndim != 1 or not len(numbers):
+        raise InputError(f"{label}: must be a list of numbers, got {short_repr(values)}")
+    if not np.isfinite(numbers).all():
+        index = int(np.argmin(np.isfinite(numbers)))
+        raise InputError(
+            f"{label}: {numbers[index]:g} at place {index + 1} (index {index}) is not finite"
+        )
+    if float(np.abs(numbers).max()) > HUGEST:
+        index = int(np.abs(numbers).argmax())
+        raise InputError(
+            f"{label}: {numbers[index]:g} at place {index + 1} (index {index}) is more than "
+            f"{HUGEST:g}"
+        )
+    return numbers

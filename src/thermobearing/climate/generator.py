@@ -17,9 +17,10 @@ import numpy as np
 from pydantic import Field, field_validator
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library
-from thermobearing.border.schema import OneLine, Strict, in_unit, validated
+from thermobearing.border.schema import OneLine, Strict, check_seed, in_unit, validated
 from thermobearing.climate.hourly import DAY, Dates, Hourly
 from thermobearing.core.records import Floats, Ints
 
@@ -77,8 +78,8 @@ class Climate(Strict):
     cold_spells: ColdSpells | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        hours = [given.get("coldest_hour", "6 h"), given.get("warmest_hour", "14 h")]
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        hours = [values.get("coldest_hour", "6 h"), values.get("warmest_hour", "14 h")]
         return ["coldest_hour and warmest_hour are the same"] if hours[0] == hours[1] else []
 
 
@@ -91,6 +92,7 @@ def load_climate(name_or_path: str | Path) -> Climate:
     return validated(Climate, table, where)
 
 
+@checked
 def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int = 0) -> Hourly:
     """Return hourly weather of a climate; the same numbers give the same weather.
 
@@ -110,23 +112,23 @@ def generate_weather(climate: str | Path | Climate, years: int = 50, seed: int =
     >>> len(weather), bool(weather.temperature.min() < -15.0)
     (17520, True)
     """
-    known = climate if isinstance(climate, Climate) else load_climate(climate)
+    parameters = climate if isinstance(climate, Climate) else load_climate(climate)
     hours = _hours(years)
-    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-        raise InputError(f"seed = {seed!r}: must be an integer of 0 or more", known.name)
+    check_seed(seed, parameters.name)
     random = np.random.default_rng(seed)
+    # Spells that begin before the first hour count, so the series begins earlier.
     dates = BEGINS - np.timedelta64(LEAD_IN, "h") + np.arange(LEAD_IN + hours, dtype="m8[h]")
     place = _hour_of_year(dates)
-    temperature = _seasonal(known)[place]
+    temperature = _seasonal(parameters)[place]
     for deviation, memory in (
-        (_through_year(known.weather_deviation), known.weather_memory),
-        (np.full(YEAR, known.season_deviation), known.season_memory),
+        (_through_year(parameters.weather_deviation), parameters.weather_memory),
+        (np.full(YEAR, parameters.season_deviation), parameters.season_memory),
     ):
         temperature += deviation[place] * _autoregressive(len(dates), memory, random)
-    if known.cold_spells is not None:
-        temperature += _mean_of_spells(known.cold_spells)[place]
-        temperature -= _spells(known.cold_spells, place, random)
-    return Hourly(temperature[LEAD_IN:], BEGINS, name=known.name)
+    if parameters.cold_spells is not None:
+        temperature += _mean_of_spells(parameters.cold_spells)[place]
+        temperature -= _spells(parameters.cold_spells, place, random)
+    return Hourly(temperature[LEAD_IN:], BEGINS, name=parameters.name)
 
 
 def _hours(years: int) -> int:
@@ -154,6 +156,8 @@ def _through_year(monthly: Any) -> Floats:
 
 def _seasonal(climate: Climate) -> Floats:
     """Return the expected temperature at each hour of a year [degC]; monthly means are exact."""
+    # Straight lines through monthly means would miss them: values at mid-months are solved for, so
+    # that the means over months are exact.
     units = np.array([_through_year(row) for row in np.eye(12)])
     means = np.array([[row[m == MONTH_OF].mean() for row in units] for m in range(12)])
     curve = np.linalg.solve(means, np.asarray(climate.monthly_mean)) @ units
@@ -166,8 +170,8 @@ def _daily_cycle(coldest: float, warmest: float) -> Floats:
     """Return 24 values: -1 at the coldest hour 1 at the warmest, and a mean of zero."""
     rise = (warmest - coldest) % DAY
     since = (np.arange(DAY) - coldest) % DAY
-    going = np.where(since < rise, since / rise, 1.0 + (since - rise) / (DAY - rise))
-    wave = -np.cos(np.pi * going)
+    phase = np.where(since < rise, since / rise, 1.0 + (since - rise) / (DAY - rise))
+    wave = -np.cos(np.pi * phase)
     return np.asarray(wave - wave.mean())
 
 
@@ -177,15 +181,16 @@ def _autoregressive(count: int, memory: float, random: np.random.Generator) -> F
 
     kept = float(np.exp(-1.0 / memory))
     noise = random.standard_normal(count + 1)
+    # The filter begins in its stationary state, so that the first hour is like any other.
     begin = np.array([kept * noise[0]])
     series, _ = lfilter([np.sqrt(1.0 - kept * kept)], [1.0, -kept], noise[1:], zi=begin)
     return np.asarray(series)
 
 
-def _spell_rate(known: ColdSpells) -> Floats:
+def _spell_rate(spells: ColdSpells) -> Floats:
     """Return the mean number of spells that begin in each hour of the year."""
-    may = np.isin(MONTH_OF + 1, known.months)
-    return np.asarray(known.per_year * may / may.sum())
+    eligible = np.isin(MONTH_OF + 1, spells.months)
+    return np.asarray(spells.per_year * eligible / eligible.sum())
 
 
 def _shape(since: Floats, length: float | Floats) -> Floats:
@@ -193,30 +198,32 @@ def _shape(since: Floats, length: float | Floats) -> Floats:
     return np.where(since < length, np.sin(np.pi * since / length) ** 2, 0.0)
 
 
-def _mean_of_spells(known: ColdSpells) -> Floats:
+def _mean_of_spells(spells: ColdSpells) -> Floats:
     """Return the mean reduction by all spells at each hour of the year [K]."""
     from scipy.stats import gamma
 
     shares = (np.arange(LENGTHS) + 0.5) / LENGTHS
-    lengths = gamma.ppf(shares, SHAPE, scale=known.length / SHAPE)
+    lengths = gamma.ppf(shares, SHAPE, scale=spells.length / SHAPE)
     since = np.arange(np.ceil(lengths.max()))
-    one = known.depth * _shape(since[:, None], lengths[None, :]).mean(axis=1)
-    rate = np.concatenate([_spell_rate(known), _spell_rate(known)])
-    return np.asarray(np.convolve(rate, one)[YEAR : 2 * YEAR])
+    mean_spell = spells.depth * _shape(since[:, None], lengths[None, :]).mean(axis=1)
+    # Two years, since spells of December reach into January.
+    rate = np.concatenate([_spell_rate(spells), _spell_rate(spells)])
+    return np.asarray(np.convolve(rate, mean_spell)[YEAR : 2 * YEAR])
 
 
-def _spells(known: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
+def _spells(spells: ColdSpells, place: Ints, random: np.random.Generator) -> Floats:
     """Return the reduction by random spells at each hour of a series [K]."""
-    rate = _spell_rate(known)[place]
-    may = np.flatnonzero(rate > 0.0)
-    taken = np.zeros(len(place))
-    if not len(may):
-        return taken
+    rate = _spell_rate(spells)[place]
+    eligible = np.flatnonzero(rate > 0.0)
+    reduction = np.zeros(len(place))
+    if not len(eligible):
+        return reduction
     count = random.poisson(rate.sum())
-    starts = may[random.integers(0, len(may), count)]
-    depths = random.gamma(SHAPE, known.depth / SHAPE, count)
-    lengths = random.gamma(SHAPE, known.length / SHAPE, count)
+    starts = eligible[random.integers(0, len(eligible), count)]
+    depths = random.gamma(SHAPE, spells.depth / SHAPE, count)
+    lengths = random.gamma(SHAPE, spells.length / SHAPE, count)
     for start, depth, length in zip(starts, depths, lengths, strict=True):
-        part = taken[start : start + int(np.ceil(length))]
+        # Spells overlap, and those at the end are cut.
+        part = reduction[start : start + int(np.ceil(length))]
         part += depth * _shape(np.arange(len(part), dtype=np.float64), length)
-    return taken
+    return reduction

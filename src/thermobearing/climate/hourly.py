@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST, Ambient
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.units import is_number, refuse_hidden
@@ -17,6 +18,7 @@ HOUR, DAY = 3600.0, 24  # [s], [h]
 MOST_HOURS = 10_000_000  # a thousand years
 
 
+@checked
 @dataclass(frozen=True)
 class Hourly:
     """Ambient temperature at consecutive full hours.
@@ -126,8 +128,9 @@ class Hourly:
             raise InputError(
                 f"has {len(self)} hours; a history of {back} h needs more of them", self.name
             )
-        found = first + np.floor(shares * (len(self) - first)).astype(np.int64)
-        return np.asarray(np.minimum(found, len(self) - 1))
+        hours = first + np.floor(shares * (len(self) - first)).astype(np.int64)
+        # A share next to one may round up to the hour past the end.
+        return np.asarray(np.minimum(hours, len(self) - 1))
 
     def full_hours(self, history: float) -> int:
         """Return a history in full hours, rounded up; InputError if it is not positive."""

@@ -12,7 +12,9 @@ from typing import NamedTuple
 import numpy as np
 
 from thermobearing.bearing.ambient import Ambient
-from thermobearing.border.errors import InputError, read_bytes, shortened
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, shortened
+from thermobearing.border.opener import read_bytes
 from thermobearing.climate.hourly import HOUR, Dates, Hourly
 from thermobearing.core.records import Floats
 from thermobearing.tables.guess import read_air_columns
@@ -25,6 +27,7 @@ LONGEST_GAP = 6  # longest gap that is interpolated [h]
 COMMON_YEAR, LEAP_YEAR = 2001, 2004  # of dates without meaningful years
 
 
+@checked
 def read_weather(path: str | Path) -> Hourly:
     r"""Return hourly weather from an EPW file, or from a table with time and temperature.
 
@@ -55,8 +58,8 @@ def read_weather(path: str | Path) -> Hourly:
     path = Path(path)
     if _is_epw(path):
         return _read_epw(path)
-    found = read_air_columns(path)
-    time, values = found.values["time"], found.values["temperature"]
+    columns = read_air_columns(path)
+    time, values = columns.values["time"], columns.values["temperature"]
     gaps = np.diff(time)
     if not (gaps > 0.0).all():
         k = int(np.argmin(gaps > 0.0))
@@ -76,7 +79,7 @@ def read_weather(path: str | Path) -> Hourly:
     temperature = np.interp(time[0] + HOUR * hours, time, values)
     even = len(hours) == len(time) and bool(np.allclose(gaps, HOUR, rtol=1e-6))
     notes = () if even else ("readings were interpolated linearly to full hours from the first",)
-    return Hourly(temperature, found.begins, False, path.stem, notes)
+    return Hourly(temperature, columns.begins, False, path.stem, notes)
 
 
 def read_air(path: str | Path) -> Ambient:
@@ -120,6 +123,7 @@ def _read_epw(path: Path) -> Hourly:
     except InputError as error:
         raise error.located(path) from None
     begins = dates[0]
+    # A year is complete if the hour after its last is its first, one year later.
     year = begins.astype("datetime64[Y]")
     later = (year + np.timedelta64(1, "Y")).astype("datetime64[h]") + (
         begins - year.astype("datetime64[h]")
@@ -140,6 +144,7 @@ def _line(number: int, row: str) -> _Line | None:
         raise InputError(f"line {number}: not a number among {shortened(row)!r}") from None
     if not (1 <= month <= 12 and 1 <= day <= 31 and 1 <= hour <= 24):
         raise InputError(f"line {number}: no such time: month {month}, day {day}, hour {hour}")
+    # Values at full hours only; minute 60 is the end of the hour as well.
     if minute not in (0, 60):
         return None
     return _Line(number, year, month, day, hour, dry_bulb)
@@ -151,6 +156,7 @@ def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
     leap = any((line.month, line.day) == (2, 29) for line in lines)
     nominal = LEAP_YEAR if leap else COMMON_YEAR
     stated = [line.year for line in lines]
+    # Years as stated, or, in a typical year of months from several, one year for all.
     for years in (stated, [nominal] * len(lines)):
         dates = np.array([_date(line, year) for line, year in zip(lines, years, strict=True)])
         follows = np.diff(dates) == hour
@@ -158,10 +164,10 @@ def _dates(lines: list[_Line]) -> tuple[Dates, list[str]]:
             note = "its months are from several years; the dates of a typical year are used"
             return dates, [] if years is stated else [note]
     k = int(np.argmin(follows))
-    one, two = lines[k], lines[k + 1]
+    earlier, later = lines[k], lines[k + 1]
     raise InputError(
-        f"line {two.number}: {two.month}/{two.day} hour {two.hour} does not follow "
-        f"{one.month}/{one.day} hour {one.hour} of line {one.number}"
+        f"line {later.number}: {later.month}/{later.day} hour {later.hour} does not follow "
+        f"{earlier.month}/{earlier.day} hour {earlier.hour} of line {earlier.number}"
     )
 
 
@@ -186,6 +192,7 @@ def _filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
         return values, []
     if missing[0] or missing[-1]:
         raise InputError("the first and the last hour must have a temperature")
+    # Gaps begin and end at edges in turn, because neither end of the series is missing.
     edges = np.flatnonzero(np.diff(missing.astype(np.int8)))
     lengths = edges[1::2] - edges[::2]
     if lengths.max() > LONGEST_GAP:
@@ -194,6 +201,6 @@ def _filled_gaps(values: Floats, first: int = 0) -> tuple[Floats, list[str]]:
             f"line {first + edges[2 * k] + 1}: no temperature for {lengths[k]} h in a row; "
             f"gaps are interpolated up to {LONGEST_GAP} h"
         )
-    known = np.flatnonzero(~missing)
-    values = np.interp(np.arange(len(values)), known, values[known])
+    present = np.flatnonzero(~missing)
+    values = np.interp(np.arange(len(values)), present, values[present])
     return values, [f"{missing.sum()} hours without a temperature were interpolated linearly"]

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, is_file, is_folder, nearest
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import pd
+from thermobearing.border.opener import is_file, is_folder
 from thermobearing.climate.generator import CLIMATES, generate_weather
 from thermobearing.climate.hourly import DAY, Hourly
 from thermobearing.climate.readers import read_weather
@@ -78,11 +79,12 @@ def find_cold(weather: str | Path | Hourly, return_period: int = RETURN_PERIOD) 
     nothing = dict.fromkeys(("return_period_years", "daily_mean_low_degC"), float("nan"))
     rows = [nothing | {"daily_mean_degC": design, "daily_mean_high_degC": float("nan")}]
     rows[0]["hour_degC"] = min(float(winter.min()) for winter in winters)
-    if known := len(winters) >= FEWEST:
+    if has_periods := len(winters) >= FEWEST:
+        # A fixed seed: the same weather has the same interval.
         random = np.random.default_rng(0)
-        again = coldest[random.integers(0, len(coldest), (SAMPLES, len(coldest)))]
+        resampled = coldest[random.integers(0, len(coldest), (SAMPLES, len(coldest)))]
         for period in sorted({*PERIODS, return_period}):
-            low, high = np.quantile(_gumbel_minimum(again, period), ENDS)
+            low, high = np.quantile(_gumbel_minimum(resampled, period), ENDS)
             level = float(_gumbel_minimum(coldest, period))
             rows.append({"return_period_years": float(period), "daily_mean_degC": level})
             rows[-1] |= {"daily_mean_low_degC": float(low), "daily_mean_high_degC": float(high)}
@@ -91,7 +93,7 @@ def find_cold(weather: str | Path | Hourly, return_period: int = RETURN_PERIOD) 
         series.name,
         len(winters),
         design,
-        return_period if known else None,
+        return_period if has_periods else None,
         pd.DataFrame(rows),
         _cold_days(winters),
     )
@@ -107,29 +109,33 @@ def _winters(series: Hourly) -> list[Floats]:
     if series.begins is None:
         days = values[: len(values) // DAY * DAY].reshape(-1, DAY)
         starts = np.arange(0, len(days) - YEAR + 1, YEAR)
-        found = [days[start : start + YEAR] for start in starts]
+        winters = [days[start : start + YEAR] for start in starts]
     else:
         dates = series.dates
         if series.recurs:  # a typical year twice holds one complete winter
             values = np.tile(values, 2)
             dates = series.begins + np.arange(len(values), dtype="m8[h]")
+        # Days begin at midnight; hours before the first midnight are left out.
         first = int(-(dates[0] - dates[0].astype("datetime64[D]")).astype(np.int64) % DAY)
         days = values[first : first + (len(values) - first) // DAY * DAY].reshape(-1, DAY)
         dates = dates[first::DAY][: len(days)].astype("datetime64[D]")
         months = dates.astype("datetime64[M]").astype(np.int64)
         monthly = [days[months % 12 == k] for k in range(12)]
-        means = [each.mean() if len(each) else np.inf for each in monthly]
+        means = [month.mean() if len(month) else np.inf for month in monthly]
+        # Half a year after the coldest month, in either hemisphere.
         begins = (place_of_least(means) + 6) % 12
         years = (months - begins) // 12
-        found = [days[years == year] for year in np.unique(years)]
-        found = [winter for winter in found if len(winter) >= YEAR][: 1 if series.recurs else None]
-    if not found:
+        winters = [days[years == year] for year in np.unique(years)]
+        winters = [winter for winter in winters if len(winter) >= YEAR][
+            : 1 if series.recurs else None
+        ]
+    if not winters:
         raise InputError(
             f"has {len(series) / DAY:.0f} days; the cold of a site needs a complete year from "
             "summer to summer",
             series.name,
         )
-    return found
+    return winters
 
 
 def _gumbel_minimum(lowest: Floats, period: float) -> Floats:
@@ -153,8 +159,10 @@ def _cold_days(winters: list[Floats]) -> "pd.DataFrame":
     for limit in LIMITS:
         counts = np.array([int((winter < limit).sum()) for winter in means])
         runs, all_day = (
-            np.array([_longest_run(winter < limit) for winter in each]) for each in (means, highest)
+            np.array([_longest_run(winter < limit) for winter in daily])
+            for daily in (means, highest)
         )
+        # Limits that no day reaches have no row.
         if counts.any():
             row = {"limit_degC": float(limit), "days_per_year": float(counts.mean())}
             row |= {"run_mean_days": float(runs.mean()), "run_10_years_days": _once_in(runs, 10)}

@@ -4,14 +4,15 @@ from collections.abc import Callable
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple
 
-from thermobearing.bearing.bilinear import BilinearBearing, load_bilinear
+from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing, load_bilinear
 from thermobearing.bearing.compound import COMPOUNDS, Compound, load_compound
-from thermobearing.bearing.library import load_bearing
+from thermobearing.bearing.library import BEARINGS, load_bearing
 from thermobearing.bearing.model import Bearing, TemperatureLaw, Validity
 from thermobearing.bearing.plausible import implausible
-from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.opener import is_file
+from thermobearing.border.toml import read_toml, split_sources, to_table
 from thermobearing.climate.generator import Climate, load_climate
 from thermobearing.cyclic.case import LIMITS, Case, Rig, load_case, load_rig
 from thermobearing.cyclic.comparison import REFERENCE, TOLERABLE, cells_error
@@ -20,6 +21,7 @@ from thermobearing.design.case import DesignCase, bearing_weight, load_design_ca
 from thermobearing.earthquake.case import EarthquakeCase, OnLine, load_earthquake_case
 from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.laws import find_law
+from thermobearing.model.limits import Limits, load_limits
 from thermobearing.model.options import build_model
 from thermobearing.model.stack import build_stack
 from thermobearing.opensees.case import ServedCase, load_served_case
@@ -29,7 +31,7 @@ from thermobearing.structure.model import STRUCTURES, DampingKind, Structure, lo
 from thermobearing.structure.result import implausible_structure
 from thermobearing.structure.run import prepare_structure
 from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.designs import list_columns, plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.motions import with_stand_ins
 from thermobearing.studies.definition.record import Posterior, Study
 from thermobearing.tables.laboratory import Sidecar
@@ -50,30 +52,45 @@ class Checked(NamedTuple):
     warnings: list[str]
 
 
+def named_file(path: Path) -> Path:
+    """Return the file of a built-in bearing, compound or structure of that name, else the path."""
+    for library in (BEARINGS, BILINEAR, COMPOUNDS, STRUCTURES):
+        if str(path) in library.names() and not is_file(path):
+            return library.path(str(path))
+    return path
+
+
 def check_file(path: Path) -> Checked:
     """Return the kind of a TOML file, its main facts, and warnings of implausible values.
 
     Kinds: "bearing", "bilinear bearing", "compound", "structure", "rig", "test record" (the file
-    next to a CSV), "climate", "earthquake case", "study", "sequence case", "served case", "design
-    case", and "case" of a cyclic test.
+    next to a CSV), "climate", "file of limits", "earthquake case", "study", "sequence case",
+    "served case", "design case", and "case" of a cyclic test.
     """
     table, _ = split_sources(read_toml(path))
     kind = _find_kind(table, path)
     load, facts, parts = KINDS[kind]
-    thing = load(path)
-    found = parts(thing)
-    structures = [item for item in found if isinstance(item, Structure)]
-    bearings = {item.name: item for item in found if not isinstance(item, Structure)}
+    content = load(path)
+    components = parts(content)
+    structures = [component for component in components if isinstance(component, Structure)]
+    bearings = {
+        component.name: component
+        for component in components
+        if not isinstance(component, Structure)
+    }
     for bearing in bearings.values():
         if isinstance(bearing, Bearing):
             build_model(bearing)  # raises what a run would raise about its laws
-    named = len([item for item in found if item not in structures]) > 1 or "bearing" not in kind
-    warnings = [text for item in structures for text in implausible_structure(item)] + [
+    named = (
+        len([component for component in components if component not in structures]) > 1
+        or "bearing" not in kind
+    )
+    warnings = [text for component in structures for text in implausible_structure(component)] + [
         f"{bearing.name}: {sentence}" if named else sentence
         for bearing in bearings.values()
         for sentence in implausible(bearing)
     ]
-    return Checked(kind, facts(thing), warnings)
+    return Checked(kind, facts(content), warnings)
 
 
 def _find_kind(table: dict[str, Any], path: Path) -> str:
@@ -86,11 +103,14 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
     for kind, library in (("structure", STRUCTURES), ("compound", COMPOUNDS)):
         if table.get("based_on") in library.names():
             return kind
+    # Data files of the package have keys that resemble those of cases.
     if path.parent.name not in LIBRARIES and path.absolute().is_relative_to(data_path()):
         raise InputError("is data of the package, not input of an analysis", str(path))
     if table.get("command") == "serve":
         return "served case"
-    for kind, its in (
+    # The order matters: cases share keys, and the first kind that has one is taken.
+    for kind, kind_keys in (
+        ("file of limits", {"jra", "aashto", "pier"}),
         ("structure", {"bodies"}),
         ("sequence case", {"parts"}),
         ("earthquake case", {"command"}),
@@ -101,8 +121,9 @@ def _find_kind(table: dict[str, Any], path: Path) -> str:
         ("test record", TESTS),
         ("rig", set(LIMITS)),
     ):
-        if its & keys:
+        if kind_keys & keys:
             return kind
+    # A sidecar may be empty: the table next to it shows what it is.
     if "test" not in keys and is_file(path.with_suffix(".csv")):
         return "test record"
     return "case"
@@ -158,20 +179,20 @@ def _error(value: float) -> str:
 def cells_facts(path: Path) -> dict[str, str]:
     """Return the error of the heat cells in the layers of a bearing, from a short test."""
     try:
-        found = cells_error(load_bearing(path))
+        errors = cells_error(load_bearing(path))
     except InputError:
         return {"error of cells": "unknown: twice as many cells exceed the limit"}
-    if found is None:
+    if errors is None:
         return {"error of cells": f"unknown: {REFERENCE} end early"}
-    rise = f" of a rise of {found.rise:.1f} K" if round(found.rise, 1) > 0.0 else ""
+    rise = f" of a rise of {errors.rise:.1f} K" if round(errors.rise, 1) > 0.0 else ""
     facts = {
-        "error of cells": f"G {_error(100.0 * found.stiffness)} %, energy "
-        f"{_error(100.0 * found.energy)} %, hottest layer {_error(found.warming)} K{rise}",
+        "error of cells": f"G {_error(100.0 * errors.stiffness)} %, energy "
+        f"{_error(100.0 * errors.energy)} %, hottest layer {_error(errors.warming)} K{rise}",
         "estimated in": f"the last of {REFERENCE}, compared with twice as many cells",
     }
-    if found.worst > TOLERABLE:
+    if errors.worst > TOLERABLE:
         facts["advice"] = (
-            f"{found.cells} cells per layer are few; cells.rubber = {found.advised}, shim = 2 "
+            f"{errors.cells} cells per layer are few; cells.rubber = {errors.advised}, shim = 2 "
             f"would reduce the error to about {100.0 * TOLERABLE:g} %"
         )
     return facts
@@ -182,14 +203,14 @@ def _earthquake_facts(case: EarthquakeCase) -> dict[str, str]:
     count = len(case.bearings) * len(case.motions) * case.climates
     count *= len(case.modes) * len(case.directions)
     force = case.axial_force
-    own = {f"line {line.line}": _line_text(line) for line in case.lines}
+    line_facts = {f"line {line.line}": _line_text(line) for line in case.lines}
     return {
         "command": case.command,
         "bearings": ", ".join(bearing.name for bearing in case.bearings),
         "motions": ", ".join(motion.title for motion in case.motions),
         "ambient": climates,
         **({} if force is None else {"axial force": f"{force:g} kN"}),
-        **own,
+        **line_facts,
         "runs": f"{count}, {case.analysis.method}, dt {case.analysis.dt:g} s",
         **_structure_facts(case.structure, case.analysis.damping),
     }
@@ -204,8 +225,9 @@ def _line_text(line: OnLine) -> str:
 
 
 def _study_facts(study: Study) -> dict[str, str]:
-    facts = {"design": study.design.kind, "runs": str(len(plan(with_stand_ins(study))))}
-    for column in list_columns(study):
+    plan = Plan(with_stand_ins(study))
+    facts = {"design": study.design.kind, "runs": str(len(plan.runs))}
+    for column in plan.columns:
         text = f"{len(column.levels)} levels"
         if len(column.levels) == 1:
             text = str(column.levels[0])
@@ -239,8 +261,9 @@ def _structure_facts(structure: Structure, damping: DampingKind | None = None) -
     """Return coordinates, masses, periods and damping of a structure."""
     prepared = prepare_structure(structure, damping=damping)
     total = 1e3 * sum(item.mass for item in structure.masses)
+    about = f" ({structure.description})" if structure.description else ""
     return {
-        "structure": f"{structure.name} ({structure.description})",
+        "structure": f"{structure.name}{about}",
         "coordinates": ", ".join(prepared.matrices.coordinates),
         "mass": f"{total:g} t",
         "periods": ", ".join(f"{value:.3f}" for value in prepared.modes.periods) + " s",
@@ -306,24 +329,24 @@ def _tested(tested: Validity | None) -> str:
     """Return the calibration range of a bearing or a compound."""
     if tested is None:
         return "range not given (tested_range)"
-    shown = [(*TESTED[name][1:4], ends) for name, ends in tested.ranges().items()]
+    ranges = [(*TESTED[name][1:4], ends) for name, ends in tested.ranges().items()]
     return ", ".join(
-        f"{what} {' to '.join(dict.fromkeys(f'{k * end:g}{unit}' for end in ends))}"
-        for what, k, unit, ends in shown
+        f"{quantity} {' to '.join(dict.fromkeys(f'{factor * end:g}{unit}' for end in ends))}"
+        for quantity, factor, unit, ends in ranges
     )
 
 
 def _laws(bearing: Bearing) -> str:
     """Return the laws of a bearing by name; a registered one with its parameters."""
-    rubber, own = bearing.hysteresis, (bearing.temperature_law, bearing.hysteresis_law)
-    found: list[str] = [rubber.hardening_form or "printed"]
-    found += [] if bearing.hysteresis_law else [rubber.small_loops or "published"]
-    for part in own:
+    rubber, registered = bearing.hysteresis, (bearing.temperature_law, bearing.hysteresis_law)
+    names: list[str] = [rubber.hardening_form or "printed"]
+    names += [] if bearing.hysteresis_law else [rubber.small_loops or "published"]
+    for part in registered:
         if part is not None and part.law is not None:
             law = find_law(part.law)
-            shown = law.shown(law.values(part.parameters))
-            found.append(f"{law.name} ({shown})" if shown else law.name)
-    return ", ".join(found)
+            parameters = law.shown(law.values(part.parameters))
+            names.append(f"{law.name} ({parameters})" if parameters else law.name)
+    return ", ".join(names)
 
 
 def _range(law: TemperatureLaw | None) -> str:
@@ -347,9 +370,18 @@ def _climate_facts(climate: Climate) -> dict[str, str]:
     return {"name": climate.name, "description": climate.description, "monthly means": monthly}
 
 
+def _limits_facts(limits: Limits) -> dict[str, str]:
+    return {
+        f"{table}, {key.replace('_', ' ')}": str(entry["value"]) + f" ({limit.describe()})"
+        for table, entries in to_table(limits).items()
+        for key, entry in entries.items()
+        if (limit := limits.of(table, key)) is not None
+    }
+
+
 def _levels(study: Study) -> list[Any]:
     """Return bearings and structures of a study, those that are levels."""
-    bearings = [one for one in study.factors.bearing.levels if not isinstance(one, Posterior)]
+    bearings = [level for level in study.factors.bearing.levels if not isinstance(level, Posterior)]
     return [*bearings, *study.factors.structure.levels]
 
 
@@ -363,6 +395,7 @@ KINDS: dict[
     "structure": (load_structure, _structure_facts, lambda structure: [structure]),
     "rig": (lambda path: load_rig(path.absolute()), _rig_facts, lambda _: []),
     "climate": (load_climate, _climate_facts, lambda _: []),
+    "file of limits": (load_limits, _limits_facts, lambda _: []),
     "test record": (load_test, _record_facts, lambda _: []),
     "earthquake case": (
         load_earthquake_case,

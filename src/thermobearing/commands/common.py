@@ -10,6 +10,7 @@ import os
 import re
 import shutil
 import sys
+import time
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -20,9 +21,10 @@ import typer
 import typer.core
 
 from thermobearing.border.errors import InputError, OutputError, printable, shortened
+from thermobearing.border.keywords import renamed
 
 if TYPE_CHECKING:
-    from thermobearing.report.title import TitleBlock
+    from thermobearing.border.title import TitleBlock
 
 T = TypeVar("T")
 Answer = dict[str, Any]  # last line of a command with --json; its exit_status is 0 by default
@@ -45,9 +47,6 @@ ANALYSES, LABORATORY, OFFICE, FILES = (
 )
 INPUT, TEST, MODEL, SEARCH, RESULT = ("Input", "Test", "Model", "Search", "Result")
 REPORT = "Report"
-RESAMPLE = (
-    "|Bring the second record of a pair to the time step of the first, and cut both to one length."
-)
 
 TABLES = {"exposure"}  # keys whose option gives one entry of a table
 FEW_LETTERS = {"dt"}  # no word of a sentence, like those with an underscore
@@ -73,15 +72,19 @@ def _as_options(text: str) -> str:
     options = RUNNING.get()
     if options is None:
         return text
+    # "load_result(): ..." names a function, which a reader of a command does not call.
     text = re.sub(r"^\w+\(\): ", "", text)
-    for key, (flag, given) in options.items():
-        if given:  # alone or of a table, one or a list of them
-            one = key if key.removesuffix("s") in options else key.removesuffix("s")
+    for key, (flag, is_given) in options.items():
+        if is_given:  # alone or of a table, one or a list of them
+            # A repeated option has the plural as its key (strains), a message the singular or an
+            # index.
+            singular = key if key.removesuffix("s") in options else key.removesuffix("s")
             plural = "" if f"{key}s" in options else "s?"
-            said_of = rf"(?<![\w./-])(?:\w+(?:\[\d+\])?\.)?{one}"
+            reference = rf"(?<![\w./-])(?:\w+(?:\[\d+\])?\.)?{singular}"
             if key in TABLES:
-                text = re.sub(rf"{said_of}\.(?=\w+(?: = |: |\"))", f"{flag} ", text)
-            text = re.sub(rf"{said_of}{plural}(?:\[\d+\])?(?= = |: )", flag, text)
+                text = re.sub(rf"{reference}\.(?=\w+(?: = |: |\"))", f"{flag} ", text)
+            text = re.sub(rf"{reference}{plural}(?:\[\d+\])?(?= = |: )", flag, text)
+        # Within a sentence only names that are no English words are replaced: not "test" or "plan".
         if "_" in key or key in FEW_LETTERS:
             text = re.sub(rf"(?<![\w.\"/=-]){key}(?![\w\"/=]| = |: |\.\w)", flag, text)
     return re.sub(r"\b\w+\[\d+\]: (?=--)", "", text)
@@ -101,6 +104,20 @@ def _echo_json(last: Answer) -> None:
     typer.echo(json_line(last))
 
 
+def is_out_of_memory(error: BaseException) -> bool:
+    """Return whether an error is one of those that a lack of memory causes.
+
+    An import that finds no memory ends in several ways.
+    """
+    if isinstance(error, MemoryError):
+        return True
+    marks = (
+        *("without exception set", "without setting an exception"),
+        *("failed to map segment", "allocate memory"),
+    )
+    return any(mark in str(error) for mark in marks)
+
+
 def reported(command: Callable[..., Answer]) -> Callable[..., None]:
     """Convert the result or error of a command to one message, a line of JSON and a status."""
 
@@ -112,7 +129,10 @@ def reported(command: Callable[..., Answer]) -> Callable[..., None]:
             raise _fail(_as_options(str(error)), BAD_INPUT, "bad_input", as_json) from None
         except OutputError as error:
             raise _fail(str(error), BAD_INPUT, "not_written", as_json) from None
-        except MemoryError:
+        except (MemoryError, SystemError, ImportError, OSError) as error:
+            if not is_out_of_memory(error):
+                raise
+            error.__traceback__ = None  # frees what its frames hold, for the message
             message = "not enough memory; keep fewer histories (keep_every) or use a larger dt"
             raise _fail(_as_options(message), BAD_INPUT, "bad_input", as_json) from None
         except KeyboardInterrupt:
@@ -180,23 +200,36 @@ class Printed(Drawn):
         return []
 
     def save(
-        self, result: Any, target: Path, outcome: str = "", sentence: str = "", **options: Any
+        self,
+        result: Any,
+        target: Path,
+        outcome: str = "",
+        sentence: str = "",
+        *,
+        show: Callable[[], None] | None = None,
+        **options: Any,
     ) -> Answer:
-        """Save a result, print it, write its documents, and print where they are."""
+        """Save a result, print it, write its documents, and print where they are.
+
+        `show` prints the result in place of its own method, and the figure to open is named.
+        """
         result.save(target, overwrite=self.overwrite, figures=self.figures, **options)
         if not self.quiet:
             with contextlib.suppress(KeyboardInterrupt):  # the result is safe by now
-                result.show()
-        made = self.documents(target)
+                (show or result.show)()
+        documents = self.documents(target)
         outcome = outcome or getattr(result, "outcome", "completed")  # a structure has none
+        # Any other outcome names a failure mode of the run, such as instability.
         status = STATUSES.get(outcome, ENDED_EARLY)
         if status:
             typer.echo(f"thermobearing: {outcome}: {sentence or result.sentence}", err=True)
         files = [file for file in target.rglob("*") if file.is_file()]
         if not self.quiet:
             size = megabytes(sum(file.stat().st_size for file in files))
-            names = "; " + ", ".join(file.name for file in made) if made else ""
+            names = "; " + ", ".join(file.name for file in documents) if documents else ""
             echo_written(target, f" ({size}){names}")
+            if show and (loops := target / "figures" / "loops.png").is_file():
+                typer.echo(f"open {loops}")
         last = {"outcome": outcome, "exit_status": status, "output": str(target)}
         return last | {"files": sorted(str(file.relative_to(target)) for file in files)}
 
@@ -225,6 +258,7 @@ class Ending(Printed):
         super().__post_init__()
         if (self.title or self.template) and not self.with_report:
             raise InputError("--title and --template require --report or --xlsx")
+        # A title block or a logo that cannot be read is refused before the run, not after it.
         self._block().logo_bytes()
         # Imported where they are needed: drawing alone takes as long to import as a small run.
         if self.template is not None:
@@ -253,13 +287,13 @@ class Ending(Printed):
 
     def _block(self) -> "TitleBlock":
         """Return the title block: of the options, and below them of the case file."""
-        from thermobearing.report.title import read_title, title_given
+        from thermobearing.border.title import read_title, title_given
 
         return title_given(self.title or ()).over(read_title(self.case))
 
     def documents(self, target: Path) -> list[Path]:
         """Write report and workbook into a result directory; the title block of a case at least."""
-        from thermobearing.report.title import TitleBlock
+        from thermobearing.border.title import TitleBlock
 
         title = self._block()
         if not self.with_report and title == TitleBlock():
@@ -281,9 +315,9 @@ class Ending(Printed):
             raise type(error)(message) from None
 
 
-def echo_written(target: Path, more: str = "") -> None:
+def echo_written(target: Path, remark: str = "") -> None:
     """Print which file or directory was written."""
-    typer.echo(f"written: {printable(str(target))}{more}")
+    typer.echo(f"written: {printable(str(target))}{remark}")
 
 
 def megabytes(size: float) -> str:
@@ -295,14 +329,14 @@ def values_by_name(
     words: Sequence[str] | None, option: str, form: str, texts: Sequence[str] = ()
 ) -> dict[str, Any]:
     """Return numbers by name from words such as "sigma_Y=0.1"; those in `texts` stay text."""
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for word in words or ():
         name, _, value = (part.strip() for part in word.partition("="))
         try:
-            found[name] = value if name in texts else float(value)
+            values[name] = value if name in texts else float(value)
         except ValueError:
             raise InputError(f'{option} "{word}": give {form}') from None
-    return found
+    return values
 
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
@@ -313,27 +347,57 @@ def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
         typer.echo(COMPILING, err=True)
 
 
+# Tests switch the lines off: whether one is due depends on how fast the machine is.
+PROGRESS_LINES_PRINTED = True
+
+
+class ProgressLines:
+    """Progress of a long command in lines of a log: the first after 10 s, then one a minute."""
+
+    FIRST, EVERY = 10.0, 60.0  # seconds
+
+    def __init__(self, task: str, clock: Callable[[], float] = time.monotonic) -> None:
+        self._what, self._clock = task, clock
+        self._start = clock()
+        self._next = self._start + self.FIRST
+
+    def show(self, done: int, total: int) -> None:
+        """Print how much is done, and about how long the rest takes, where a line is due."""
+        seconds = self._clock()
+        if seconds < self._next or not 0 < done < total:
+            return
+        self._next = seconds + self.EVERY
+        remaining = (seconds - self._start) * (total - done) / done
+        size = f"{remaining:.0f} s" if remaining < 120.0 else f"{remaining / 60.0:.0f} minutes"
+        typer.echo(f"{self._what}: {done} of {total}, about {size} left", err=True)
+
+
 def with_progress(
     call: Callable[[Callable[[int, int], None] | None], T],
-    what: str,
+    description: str,
     quiet: bool,
     kernel: str = STEPPING,
 ) -> T:
-    """Return what `call` returns, with a progress bar (on stderr, only on a terminal).
+    """Return what `call` returns, with a progress bar on stderr; lines where it is no terminal.
 
     `call` takes a function to report (done, all) to. A kernel that is compiled first is announced.
     """
     announce_compiling(quiet, kernel)
-    if quiet or not sys.stderr.isatty():
+    terminal = sys.stderr.isatty()
+    if quiet or not (terminal or PROGRESS_LINES_PRINTED):
         return call(None)
+    if not terminal:
+        return call(ProgressLines(description).show)
     from rich.console import Console
 
     from thermobearing.commands.progress import progress_bar
 
     with progress_bar(Console(stderr=True)) as bar:
-        task = bar.add_task(what, total=None)
+        task = bar.add_task(description, total=None)
         return call(
-            lambda done, total: bar.update(task, description=what, completed=done, total=total)
+            lambda done, total: bar.update(
+                task, description=description, completed=done, total=total
+            )
         )
 
 
@@ -356,8 +420,10 @@ class _WithHelp:
         for parameter in command.get_params(ctx):
             record = parameter.get_help_record(ctx)
             if record is not None:
-                usual = "Arguments" if parameter.param_type_name == "argument" else "Options"
-                panel = getattr(parameter, "rich_help_panel", None) or usual
+                default_panel = (
+                    "Arguments" if parameter.param_type_name == "argument" else "Options"
+                )
+                panel = getattr(parameter, "rich_help_panel", None) or default_panel
                 sections.setdefault(panel, []).append(record)
         for name, item in getattr(command, "commands", {}).items():
             panel = getattr(item, "rich_help_panel", None) or "Commands"
@@ -371,29 +437,36 @@ class _WithHelp:
 
 
 USAGE_ERROR: Any = typer.BadParameter.__base__  # of click, or of the parser of a later typer
-UNIT = re.compile(r"\[([^\]\d-][^\],]*)\]")  # in the help of an option
+UNIT = re.compile(r"\[([^\[\]\d-][^\[\],]*)\]")  # in the help of an option
 
 
 def _word_fault(error: Any, words: Sequence[str], ctx: Any) -> str:
     """Return a sentence on a word that is missing or no value of its option; else nothing."""
     name = getattr(error, "option_name", "")
-    known = (one for one in ctx.command.params if name in one.opts)
-    one: Any = getattr(error, "param", None) or next(known, None)
-    if one is None:
+    # An option of an earlier version is answered with its present name.
+    clause = renamed(name, [word for param in ctx.command.params for word in param.opts])
+    if clause:
+        return f"no such option {name}{clause}"
+    parameters = (parameter for parameter in ctx.command.params if name in parameter.opts)
+    parameter: Any = getattr(error, "param", None) or next(parameters, None)
+    if parameter is None:
         return ""
-    help = (getattr(one, "help", "") or "").rstrip(".")
-    option = next((word for word in one.opts if word.startswith("--")), "")
+    help = (getattr(parameter, "help", "") or "").rstrip(".")
+    option = next((word for word in parameter.opts if word.startswith("--")), "")
     pairs = zip(words, [*words, ""][1:], strict=False)
-    parted = [(*word.partition("="), after) for word, after in pairs]
-    given = [value if mark else after for flag, mark, value, after in parted if flag in one.opts]
+    parted = [(*word.partition("="), next_word) for word, next_word in pairs]
+    values = [
+        value if mark else next_word
+        for flag, mark, value, next_word in parted
+        if flag in parameter.opts
+    ]
     if name:
         return f"{option} requires a value: {help}"
-    if not given:
-        return f"missing {'option ' + option if option else 'argument ' + one.name}: {help}".rstrip(
-            " :"
-        )
-    kind = int if "INT" in one.get_help_record(ctx)[0].upper() else float
-    for value in given:
+    if not values:
+        subject = f"option {option}" if option else f"argument {parameter.name}"
+        return f"missing {subject}: {help}".rstrip(" :")
+    kind = int if "INT" in parameter.get_help_record(ctx)[0].upper() else float
+    for value in values:
         try:
             kind(value)
         except ValueError:
@@ -401,7 +474,7 @@ def _word_fault(error: Any, words: Sequence[str], ctx: Any) -> str:
             unit = UNIT.search(help)
             allowed = f"{number} in {unit[1]}, without its unit" if unit else number
             return f"{option} = {shortened(value)!r}: must be {allowed}"
-    return f"{option} = {given[-1]}: {error.message.replace('Input should', 'must')}"
+    return f"{option} = {values[-1]}: {error.message.replace('Input should', 'must')}"
 
 
 class Command(_WithHelp, typer.core.TyperCommand):
@@ -420,18 +493,18 @@ class Command(_WithHelp, typer.core.TyperCommand):
 
     def invoke(self, ctx: Any) -> Any:
         """Run, its options known to `_as_options`."""
-        found: dict[str, tuple[str, bool]] = {}
+        options: dict[str, tuple[str, bool]] = {}
         for parameter in ctx.command.params:
             source = ctx.get_parameter_source(parameter.name)
-            given = source is not None and source.name == "COMMANDLINE"
+            is_given = source is not None and source.name == "COMMANDLINE"
             for word in [word for word in parameter.opts if word.startswith("--")][:1]:
                 keys = (word[2:].replace("-", "_"), parameter.name)
-                found |= dict.fromkeys(keys, (word, given))
-        before = RUNNING.set(found)
+                options |= dict.fromkeys(keys, (word, is_given))
+        token = RUNNING.set(options)
         try:
             return super().invoke(ctx)
         finally:
-            RUNNING.reset(before)
+            RUNNING.reset(token)
 
 
 class Group(_WithHelp, typer.core.TyperGroup):
@@ -441,18 +514,19 @@ class Group(_WithHelp, typer.core.TyperGroup):
         """Run; wrong usage too ends with a line of JSON if --json is among the words."""
         words = args[0] if args else kwargs.get("args")
         words = sys.argv[1:] if words is None else words
-        drawn = self.rich_markup_mode
+        markup_mode = self.rich_markup_mode
         if not sys.stderr.isatty():
             self.rich_markup_mode = None
         try:
             return super().main(*args, **kwargs)
         except SystemExit as end:
             usage = getattr(end.__context__, "format_message", None)
+            # Errors of usage come from click, before `reported` could write the line of JSON.
             if end.code == BAD_INPUT and usage is not None and "--json" in words:
                 _echo_json({"outcome": "bad_input", "exit_status": BAD_INPUT, "message": usage()})
             raise
         finally:
-            self.rich_markup_mode = drawn
+            self.rich_markup_mode = markup_mode
 
 
 app = typer.Typer(
@@ -466,7 +540,7 @@ app = typer.Typer(
 )
 
 
-class Patient:
+class GuardedStream:
     """A stream that discards the output after its reader has closed it.
 
     `thermobearing cyclic | head -1` then ends like without `head`. If the disk of the output is
@@ -485,7 +559,7 @@ class Patient:
         try:
             self._stream.write(text)
         except OSError as error:
-            self._leave(error)
+            self._discard(error)
         return len(text)
 
     def flush(self) -> None:
@@ -493,22 +567,24 @@ class Patient:
         try:
             self._stream.flush()
         except OSError as error:
-            self._leave(error)
+            self._discard(error)
 
-    def _leave(self, error: OSError) -> None:
+    def _discard(self, error: OSError) -> None:
+        # A reader that has enough, such as `head`, is no error; a full disk is.
         if not isinstance(error, BrokenPipeError):
             self.lost = error.strerror or str(error)
+        # The descriptor itself is replaced, since Python flushes it once more at exit.
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, self._stream.fileno())
         os.close(nowhere)
 
 
-def patient_streams() -> None:
-    """Make standard output and error patient, and replace characters that they cannot show."""
+def guard_streams() -> None:
+    """Guard standard output and error, and replace characters that they cannot show."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
         if stream is None:  # closed before the start
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
         elif isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-            setattr(sys, name, Patient(stream))
+            setattr(sys, name, GuardedStream(stream))

@@ -21,16 +21,14 @@ from thermobearing.commands.common import (
 from thermobearing.commands.options import (
     COMPARE,
     EXPOSURE,
+    MODEL_OPTIONS,
     command,
-    exposure_given,
+    exposure_table,
     fields,
     option,
 )
 
 WORTH_TELLING = 20e6  # size of a result that is announced before it is computed [bytes]
-OPTIONS = (
-    "model scheme integrator hardening small_loops heat_source lead_ends clock stack"  # of a model
-)
 SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test in a few words
 
 
@@ -41,22 +39,15 @@ SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test
         "cyclic.case:Case",
         "bearing ambient initial rig axial_force",
         INPUT,
-        axial_force="|Axial force on the bearing [kN], positive in compression; adds checks.",
         bearing="|Bearing: library name or TOML file.",
-        ambient="|Ambient temperature [degC], in [-100, 100]; one run for each.",
-        initial="|Temperature of the bearing at the start [degC]; the ambient temperature by "
-        "default.",
-        rig="|Test rig (name or file); a warning names the limits that a run exceeds.",
     ),
+    fields("tables.conditioning:Conditioning", "conditioned before", INPUT),
     fields("cyclic.protocol:cyclic_test", SHORT, TEST),
     fields("cyclic.protocol:CyclicTest", "dt", TEST),
-    fields("model.options:ModelOptions", OPTIONS, MODEL),
-    fields(
-        "cyclic.case:Analysis",
-        "keep_every",
-        RESULT,
-        keep_every="|Keep every n-th step and all turning points; 1 by default.",
-    ),
+    fields("model.options:ModelOptions", "model state", MODEL),
+    MODEL_OPTIONS,
+    fields("cyclic.case:Analysis", "axial axial_factor", MODEL),
+    fields("cyclic.case:Analysis", "keep_every", RESULT),
     examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
     "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11\n"
     "cyclic --strain 1.75 --path circle --frequency 0.5 --cycles 3",
@@ -68,7 +59,7 @@ def _cyclic(
         Path | None,
         typer.Argument(help="Case file; by default the test of Table 3.4 on the HDR specimen."),
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     exposure: EXPOSURE,
     compare: COMPARE,
     complete: Annotated[
@@ -79,6 +70,10 @@ def _cyclic(
             panel=RESULT,
         ),
     ],
+    table: Annotated[
+        bool,
+        option("--table", help="Print the measures of every cycle of a long test.", panel=RESULT),
+    ],
     end: Ending,
 ) -> Answer:
     """Run a displacement-controlled cyclic test of a bearing."""
@@ -88,14 +83,14 @@ def _cyclic(
     from thermobearing.cyclic.protocol import cyclic_test
     from thermobearing.cyclic.run import run_case
 
-    words = {name: given.pop(name) for name in SHORT.split() if name in given}
+    words = {name: options.pop(name) for name in SHORT.split() if name in options}
     if words and "strain" not in words:
         raise InputError(f"--{next(iter(words))} requires --strain")
     if {"wave", "path"} <= set(words):
         raise InputError("--wave applies to cycles on a line, not to --path")
-    given["test"] = cyclic_test(**words) if words else None
-    given |= {"exposure": exposure_given(exposure), "histories": "complete" if complete else None}
-    loaded = load_case(case, **given) if case else make_case({}, "command line", **given)
+    options["test"] = cyclic_test(**words) if words else None
+    options |= {"exposure": exposure_table(exposure), "histories": "complete" if complete else None}
+    loaded = load_case(case, **options) if case else make_case({}, "command line", **options)
     target = end.target(f"cyclic-{loaded.bearing.name}")
     size = expected_size(loaded)
     if size > WORTH_TELLING and not end.quiet:
@@ -105,7 +100,7 @@ def _cyclic(
         if len(result.cycles) == 0:
             raise InputError("--compare needs a test with cycles")
         result.compared = compare_models(loaded)
-    return end.save(result, target)
+    return end.save(result, target, show=None if table else result.show_briefly)
 
 
 @command(
@@ -118,14 +113,14 @@ def _cyclic(
 )
 def _sequence(
     case: Annotated[Path, typer.Argument(help="Case file with the parts of the sequence.")],
-    given: dict[str, Any],
+    options: dict[str, Any],
     end: Ending,
 ) -> Answer:
     """Run hybrid tests, cyclic tests and rests in sequence on one specimen."""
     from thermobearing.sequences.case import load_sequence_case
     from thermobearing.sequences.run import run_sequence
 
-    complete = load_sequence_case(case, **given)
+    complete = load_sequence_case(case, **options)
     target = end.target(f"sequence-{case.stem}")
     result = with_progress(lambda show: run_sequence(complete, progress=show), "parts", end.quiet)
     return end.save(result, target)

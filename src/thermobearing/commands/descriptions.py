@@ -38,6 +38,7 @@ def _definition(place: str) -> tuple[Any, dict[str, Any]]:
 def describe(place: str, key: str) -> dict[str, Any]:
     """Return kind and text of an option, and which of its other properties hold.
 
+    "choices": the values that it takes; "entries": its keys, if it is a record;
     "several": it may be repeated; "named": it takes a name of the library or a file; "required": it
     has no default; "switched_on": its default is true.
 
@@ -55,7 +56,21 @@ def describe(place: str, key: str) -> dict[str, Any]:
     }
     text = _help_text(item, key, choices, default)
     flags = {name: True for name, holds in properties.items() if holds}
-    return {"kind": kind.__name__, **flags, "text": text}
+    lists = {"choices": choices, "entries": _entries(hints[key])}
+    return {
+        "kind": kind.__name__,
+        **flags,
+        **{name: values for name, values in lists.items() if values},
+        "text": text,
+    }
+
+
+def _entries(hint: Any) -> list[str]:
+    """Return the keys of a field that is a record, or may be one; of any other none."""
+    for kind in (hint, *get_args(hint)):
+        if isinstance(kind, type) and hasattr(kind, "model_fields"):
+            return list(kind.model_fields)
+    return []
 
 
 PLAIN = {str, int, float, bool, types.NoneType}
@@ -66,17 +81,17 @@ def _read_type(hint: Any) -> tuple[Any, bool, list[str], bool]:
     leaves: set[Any] = set()
     choices: list[str] = []
     several = False
-    left = [hint]
-    while left:
-        part = left.pop(0)
+    pending = [hint]
+    while pending:
+        part = pending.pop(0)
         origin = get_origin(part)
         if origin is Literal:
             choices += map(str, get_args(part))
         elif origin is Annotated:
-            left.insert(0, get_args(part)[0])
+            pending.insert(0, get_args(part)[0])
         elif origin is not None:
             several |= isinstance(origin, type) and issubclass(origin, Sequence | Mapping)
-            left[:0] = get_args(part)
+            pending[:0] = get_args(part)
         elif isinstance(part, type):
             leaves.add(part)
     text = str in leaves or bool(choices)
@@ -108,17 +123,18 @@ def _help_text(item: Any, name: str, choices: Sequence[str] = (), default: Any =
     texts = (inspect.getdoc(base) or "" for base in getattr(item, "__mro__", [item]))
     matches = (re.search(ENTRY.format(name), text, re.MULTILINE) for text in texts)
     match = next(filter(None, matches), None)
-    first, _, rest = match[1].partition("\n") if match else (name.replace("_", " "), "", "")
-    sentence = rest if rest and TYPE.match(first) else f"{first} {rest}"
+    first, _, following = match[1].partition("\n") if match else (name.replace("_", " "), "", "")
+    # numpydoc: the first line may be a type alone, with the sentence below it.
+    sentence = following if following and TYPE.match(first) else f"{first} {following}"
     text = " ".join(sentence.split()).rstrip(".")
     if hasattr(item, "model_fields") and "[" not in text:
         from thermobearing.border.schema import find_unit
 
         unit = find_unit(item, name)
         text += f" [{unit}]" if unit else ""
-    if others := [choice for choice in choices if f'"{choice}"' not in text]:
-        text += f": {', '.join(others[:-1])} or {others[-1]}"
-    usual = isinstance(default, int | float | str) and not isinstance(default, bool)
-    if usual and default != "" and "default" not in text:
+    if unstated := [choice for choice in choices if f'"{choice}"' not in text]:
+        text += f": {', '.join(unstated[:-1])} or {unstated[-1]}"
+    stated_default = isinstance(default, int | float | str) and not isinstance(default, bool)
+    if stated_default and default != "" and "default" not in text:
         text += f"; {default} by default"
     return text[:1].upper() + text[1:] + "."

@@ -45,7 +45,7 @@ def _design(
         Path | None,
         typer.Argument(help="Case file; by default the bridge of section 6.2 of Shen (2023)."),
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     line_groups: Annotated[
         list[str] | None,
         option(
@@ -62,23 +62,26 @@ def _design(
     from thermobearing.design.run import run_design
 
     groups = [{"lines": [name.strip() for name in text.split(",")]} for text in line_groups or []]
-    given["line_groups"] = groups or None
+    options["line_groups"] = groups or None
     if case is None:
-        complete = make_design_case({}, "command line", **given)
+        complete = make_design_case({}, "command line", **options)
     else:
-        complete = load_design_case(case, **given)
+        complete = load_design_case(case, **options)
     templates = [load_bearing(name) for name in complete.equal]
     target = end.target("design")
     announce_compiling(end.quiet, STRUCTURES)
-    found = run_design(complete, None if end.quiet else _print_round, templates=templates)
-    outcome = "completed" if found.usable else found.outcome
-    return end.save(found, target, outcome=outcome)
+    result = run_design(complete, None if end.quiet else _print_round, templates=templates)
+    # The result keeps its own outcome; the exit status says only whether there is a design.
+    outcome = "completed" if result.usable else result.outcome
+    return end.save(result, target, outcome=outcome)
 
 
 def _print_round(turn: "Round") -> None:
     """Print the displacements of a round while the design runs."""
-    of = f" of {turn.group}" if turn.group else ""
-    print(f"round {turn.number}{of}: assumed {turn.assumed:.0f} mm, found {turn.found:.0f} mm")
+    of_group = f" of {turn.group}" if turn.group else ""
+    print(
+        f"round {turn.number}{of_group}: assumed {turn.assumed:.0f} mm, found {turn.found:.0f} mm"
+    )
 
 
 @command(
@@ -90,25 +93,20 @@ def _print_round(turn: "Round") -> None:
         bearings="--bearing|Bearing: library name or TOML file.",
         motions="--motion|Ground motion: library name or file.",
     ),
-    fields(
-        "design.bounds:bounds_study",
-        "ambient strain",
-        ambient="|Ambient temperature of the coupled model [degC].",
-        strain="|Shear strain at which the bilinear models are equivalent; 1.75 by default.",
-    ),
+    fields("design.bounds:bounds_study", "ambient strain"),
     examples="bounds --bearing shen-hdr-bridge --ambient -20",
     panel=OFFICE,
     laws=True,
 )
-def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answer:
+def _bounds(options: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answer:
     """Compare a bounds analysis (two bilinear models) with the coupled model."""
     from thermobearing.design.bounds import BEARINGS
     from thermobearing.design.run import run_bounds
 
     target = end.target("bounds")
     announce_compiling(end.quiet, STRUCTURES)
-    bearings, motions = given.pop("bearings", BEARINGS), given.pop("motions", None)
-    report = run_bounds(bearings, motions, fixed_base=fixed_base or None, **given)
+    bearings, motions = options.pop("bearings", BEARINGS), options.pop("motions", None)
+    report = run_bounds(bearings, motions, fixed_base=fixed_base or None, **options)
     return end.save(report, target)
 
 
@@ -117,22 +115,16 @@ def _bounds(given: dict[str, Any], fixed_base: FIXED_BASE, end: Ending) -> Answe
     "lambda",
     fields(
         "design.run:run_factors",
-        "reference temperatures strains period speed weather return_period",
-        temperatures="--temperature|Ambient temperature [degC], in [-60, 60]; -40 to 40 in steps "
-        "of 10 by default.",
-        strains="--strain|Shear strain, in [0.1, 3]; 1 and 1.75 by default.",
-        reference="--reference-temperature --reference|Reference temperature [degC]; that of the "
-        "bearing's rubber by default.",
-        period="|Period of the sinusoidal test [s], in [0.2, 1000]; 2 by default.",
-        speed="|Mean speed [mm/s], instead of the period.",
-        weather="|Hourly weather of the site: a file or a climate; adds its cold, and "
-        "factors at its design temperature.",
-        return_period="|Return period of the design temperature [year], in [2, 1000]; 50 by "
-        "default.",
+        "reference temperatures strains period speed weather return_period state",
+        temperatures="--temperature",
+        strains="--strain",
+        reference="--reference-temperature --reference",
     ),
+    fields("tables.conditioning:Conditioning", "conditioned before"),
     examples="lambda shen-hdr-bridge --strain 1.75 -o factors",
     panel=OFFICE,
     laws=True,
+    twin="factors",
 )
 def _lambda(
     bearing: Annotated[
@@ -141,7 +133,7 @@ def _lambda(
             help="Library name or TOML file; several bearings (of a posterior) give bands."
         ),
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     posterior: Annotated[
         Path | None,
         option(help="File posterior.csv of `identify`, whose samples give a band.", metavar="FILE"),
@@ -157,11 +149,13 @@ def _lambda(
 ) -> Answer:
     """Compute temperature factors of K_eq, Q_d, K_d, h_eq and energy, and their bounds."""
     from thermobearing.bearing.library import load_bearing
+    from thermobearing.cyclic.case import InitialState
     from thermobearing.design.factors import PRESETS
     from thermobearing.design.run import run_factors
     from thermobearing.identify.uncertainty.samples import posterior_bearings
+    from thermobearing.tables.conditioning import Conditioning
 
-    if "period" in given and "speed" in given:
+    if "period" in options and "speed" in options:
         raise InputError("give --period or --speed, not both")
     bearings = [load_bearing(name) for name in bearing]
     if posterior is not None:
@@ -172,6 +166,9 @@ def _lambda(
     announce_compiling(end.quiet)
     numbers = [part.strip() for part in cycles.split(",")]
     listed = cycles not in PRESETS and all(re.fullmatch("[0-9]{1,9}", part) for part in numbers)
-    which = [int(part) for part in numbers] if listed else cycles
-    report = run_factors(bearings, cycles=which, scale=scale, **given)
+    selected = [int(part) for part in numbers] if listed else cycles
+    conditioning = {key: options.pop(key) for key in Conditioning.model_fields if key in options}
+    if conditioning:
+        options["initial"] = InitialState(conditioning=conditioning)
+    report = run_factors(bearings, cycles=selected, scale=scale, **options)
     return end.save(report, target)

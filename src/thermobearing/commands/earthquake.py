@@ -1,18 +1,19 @@
 """Analyse structures on bearings in earthquakes."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from thermobearing.border.errors import InputError, is_file
+from thermobearing.border.errors import InputError
+from thermobearing.border.opener import is_file
 from thermobearing.commands.common import (
     ANALYSES,
     FILES,
     INPUT,
     MODEL,
-    RESAMPLE,
     STRUCTURES,
     Answer,
     Ending,
@@ -25,13 +26,19 @@ from thermobearing.commands.common import (
 from thermobearing.commands.options import (
     COMPARE,
     EXPOSURE,
+    MODEL_OPTIONS,
     Fields,
     Overwrite,
     command,
-    exposure_given,
+    exposure_table,
     fields,
     option,
+    pairs,
 )
+
+if TYPE_CHECKING:
+    from thermobearing.opensees.case import ServedCase
+    from thermobearing.opensees.recording import Served
 
 LABORATORY = "Laboratory"
 CaseFile = Annotated[
@@ -74,6 +81,15 @@ COMPONENTS = Annotated[
         panel=INPUT,
     ),
 ]
+BANDS = Annotated[
+    bool,
+    option(
+        "--bands",
+        help="Also analyse what tests do not decide: the rate dependence above their rates, and "
+        "small loops.",
+        panel=MODEL,
+    ),
+]
 INPUTS = fields(
     "earthquake.case:EarthquakeCase",
     "bearings motions ambient weather structure duration rig axial_force",
@@ -81,23 +97,22 @@ INPUTS = fields(
     bearings="--bearing|Bearing: library name or TOML file.",
     motions="--motion|Ground motion: library name or file.",
 )
-PAIRS = fields("earthquake.motions:Motion", "resample", INPUT, resample=RESAMPLE)
+PAIRS = fields("earthquake.motions:Motion", "resample", INPUT)
 ANALYSIS = fields(
     "earthquake.case:EarthquakeAnalysis",
-    "method mass damping dt model scheme integrator hardening small_loops heat_source lead_ends "
-    "clock stack keep_every",
+    "method mass damping dt model state keep_every",
     MODEL,
 )
 
 
 def _with_pairs(
-    given: dict[str, Any],
+    options: dict[str, Any],
     across: Sequence[str] | None,
     angles: Sequence[str] | None,
     case: Path | None,
 ) -> list[Any] | None:
     """Return the motions of the command line, as tables where they are pairs or have angles."""
-    motions, resample = given.get("motions"), bool(given.pop("resample", False))
+    motions, resample = options.get("motions"), bool(options.pop("resample", False))
     if not across and not angles and not resample:
         return list(motions) if motions else None
     if not motions:
@@ -112,22 +127,25 @@ def _with_pairs(
     tables: list[dict[str, Any]] = [{"name": name} for name in motions]
     for table, second in zip(tables, across or (), strict=False):
         table["across"] = second
-    more = ({"angle": list(angles)} if angles else {}) | ({"resample": True} if resample else {})
-    return [table | more for table in tables]
+    settings = ({"angle": list(angles)} if angles else {}) | (
+        {"resample": True} if resample else {}
+    )
+    return [table | settings for table in tables]
 
 
-def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
+def _add(name: str, purpose: str, *groups: Fields, examples: str) -> None:
     """Add the command of an analysis, with its specific options and those of both."""
 
     def _analyse(
         case: CaseFile,
-        given: dict[str, Any],
+        options: dict[str, Any],
         across: ACROSS,
         angle: ANGLE,
         components: COMPONENTS,
         fixed_base: FIXED_BASE,
         exposure: EXPOSURE,
         compare: COMPARE,
+        bands: BANDS,
         end: Ending,
     ) -> Answer:
         from thermobearing.border.schema import overridden
@@ -137,29 +155,30 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
             load_earthquake_case,
             make_earthquake_case,
         )
-        from thermobearing.earthquake.run import run_earthquake
 
-        checks = {key: given.pop(key) for key in ("codes", "rotation", "zone") if key in given}
-        laboratory = {key: given.pop(key) for key in Laboratory.model_fields if key in given}
-        given["laboratory"] = overridden({}, laboratory, Laboratory) or None
-        given["motions"] = _with_pairs(given, across, angle, case)
-        given["components"], both = analysis.one_or_both(components)
-        given |= {"fixed_base": fixed_base or None, "exposure": exposure_given(exposure)}
+        checks = {key: options.pop(key) for key in ("codes", "rotation", "zone") if key in options}
+        laboratory = {key: options.pop(key) for key in Laboratory.model_fields if key in options}
+        options["laboratory"] = overridden({}, laboratory, Laboratory) or None
+        options["motions"] = _with_pairs(options, across, angle, case)
+        options["components"], both_components = analysis.one_or_both(components)
+        options |= {"fixed_base": fixed_base or None, "exposure": exposure_table(exposure)}
         if case is None:
-            loaded = make_earthquake_case({"command": name}, "command line", **given)
+            loaded = make_earthquake_case({"command": name}, "command line", **options)
         else:
-            loaded = load_earthquake_case(case, command=name, **given)
+            loaded = load_earthquake_case(case, command=name, **options)
+        if loaded.limits is not None:
+            checks.setdefault("codes", loaded.limits.codes)
         if "codes" in checks:
             from thermobearing.design.provisions import check_bearings, load_codes
 
-            load_codes(**checks)  # refuses before the analysis
+            load_codes(**checks, may_be_none=loaded.limits is not None)  # before the analysis
         target = end.target(f"{loaded.command}-{loaded.structure.name}")
         if compare:
             analysis.refuse_incomparable(loaded)
         predicted = loaded.analysis.method == "predictor-corrector"
         result = with_progress(
-            lambda show: (analysis.compare_components if both else run_earthquake)(
-                loaded, progress=show
+            lambda show: analysis.analyse(
+                loaded, several=both_components, bands=bands, progress=show
             ),
             "runs",
             end.quiet,
@@ -172,9 +191,8 @@ def _add(name: str, purpose: str, *more: Fields, examples: str) -> None:
         return end.save(result, target)
 
     _analyse.__doc__ = purpose
-    command(
-        app, name, *more, INPUTS, PAIRS, ANALYSIS, examples=examples, panel=ANALYSES, laws=True
-    )(_analyse)
+    groups_of_options = (*groups, INPUTS, PAIRS, ANALYSIS, MODEL_OPTIONS)
+    command(app, name, *groups_of_options, examples=examples, panel=ANALYSES, laws=True)(_analyse)
 
 
 _add(
@@ -184,23 +202,47 @@ _add(
         "design.provisions:check_bearings",
         "codes rotation zone",
         "Checks",
-        codes="--checks|Check the bearings according to a code: jra or aashto.",
-        rotation="|Design rotation of the bearings in these checks [rad]; 0 by default.",
-        zone="|Seismic zone of AASHTO in these checks, 1 to 4; 4 by default.",
+        codes="|Check the bearings according to a code: jra or aashto.",
+    ),
+    fields(
+        "earthquake.case:EarthquakeCase",
+        "limits",
+        "Checks",
+        limits="||FILE",
     ),
     examples="bridge --motion jra-ii-i-1 --ambient -20 -o pier\n"
-    "bridge --axial-force 800 --checks jra --checks aashto -o checked",
+    "bridge --axial-force 800 --codes jra --codes aashto -o checked\n"
+    "bridge --axial-force 800 --limits limits.toml -o checked",
 )
 _add(
     "hybrid",
     "Simulate a hybrid test: a bearing specimen coupled to a calculated pier.",
-    fields(
+    fields("earthquake.case:Laboratory", "mode specimen", LABORATORY),
+    pairs(
+        "--laboratory",
         "earthquake.case:Laboratory",
-        "mode delay force_noise seed compensation specimen time_out force_limit displacement_limit",
+        "speed delay force_noise seed compensation time_out force_limit displacement_limit",
         LABORATORY,
+        'Option of the laboratory, such as delay=0.01 or "delay=10 ms"',
     ),
     examples="hybrid --mode rt --mode pd --ambient -20 -o hybrid",
 )
+
+
+def _show_message(text: str) -> None:
+    typer.echo(f"thermobearing: {text}", err=True)
+
+
+def _save_after_kill(
+    case: "ServedCase", target: Path, end: Ending, histories: "list[Served]"
+) -> None:
+    """Write the result of a server that was killed, which its keeper calls."""
+    from thermobearing.opensees.result import ServedResult
+
+    if histories:
+        result = ServedResult.of(case, histories, ["the server was killed"])
+        result.save(target, overwrite=end.overwrite, figures=end.figures)
+        _show_message(f"the server was killed; its histories until then are in {target}")
 
 
 @command(
@@ -210,13 +252,9 @@ _add(
         "opensees.case:ServedCase",
         "ambient initial count units rate step",
         INPUT,
-        ambient="|Ambient temperature [degC], in [-100, 100]; 23 by default.",
     ),
-    fields(
-        "model.options:ModelOptions",
-        "model scheme integrator hardening small_loops heat_source lead_ends clock stack",
-        MODEL,
-    ),
+    fields("model.options:ModelOptions", "model state", MODEL),
+    MODEL_OPTIONS,
     examples="serve shen-hdr-bridge --ambient -20 --port 4711 --units kN-m -o served",
     panel=ANALYSES,
     laws=True,
@@ -228,7 +266,7 @@ def _serve(
             help="Bearing (library name or TOML file), or case file.", metavar="NAME/FILE"
         ),
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     port: Annotated[
         int, option("--port", help="TCP port to listen on; 0 selects a free one.", panel=INPUT)
     ],
@@ -263,22 +301,54 @@ def _serve(
 
     file = Path(bearing)
     if file.suffix == ".toml" and is_file(file) and read_toml(file).get("command") == "serve":
-        case = load_served_case(file, **given)
+        case = load_served_case(file, **options)
     else:
-        case = make_served_case({}, "command line", bearing=bearing, **given)
-    ways = tuple(direction or (1,))
-    layout = Layout.of(1 if pairs is None else pairs, ways, vertical, "command line")
-    case.new_bearing(len(ways))  # raises for options that a plane does not have
+        case = make_served_case({}, "command line", bearing=bearing, **options)
+    directions = tuple(direction or (1,))
+    layout = Layout.of(1 if pairs is None else pairs, directions, vertical, "command line")
+    case.new_bearing(len(directions))  # raises for options that a plane does not have
     target = end.target(f"serve-{case.bearing.name}")
 
-    def _say(text: str) -> None:
-        typer.echo(f"thermobearing: {text}", err=True)
-
-    server = serve_until(case, layout, address or LOOPBACK, port, once=once, say=_say)
+    save = partial(_save_after_kill, case, target, end)
+    at = address or LOOPBACK
+    server = serve_until(case, layout, at, port, once=once, show=_show_message, save=save)
     if not (histories := server.histories()):
         raise InputError("no element was connected; nothing is written", "serve")
     served = ServedResult.of(case, histories, server.problems, server.notes)
     return end.save(served, target)
+
+
+limits = typer.Typer(
+    cls=Group,
+    help="Write files of the limits of checks, for your office to confirm.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+)
+app.add_typer(limits, name="limits", rich_help_panel=FILES)
+
+
+@command(limits, "new", examples="limits new --code aashto -o limits.toml")
+def _new_limits(
+    code: Annotated[
+        list[str] | None,
+        option(
+            "--code", help="Code: jra or aashto; both by default. May be repeated.", metavar="NAME"
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        option("-o", "--output", help="File to write; limits.toml by default.", metavar="FILE"),
+    ],
+    overwrite: Overwrite,
+) -> Answer:
+    """Write the limits of codes as comments, for your office to confirm and un-comment."""
+    from thermobearing.border.text_file import write_file
+    from thermobearing.design.provisions import limits_text
+
+    target = output or Path("limits.toml")
+    write_file(target, limits_text(code or ["jra", "aashto"]), overwrite=overwrite)
+    echo_written(target)
+    return {"outcome": "completed", "exit_status": 0, "output": str(target)}
 
 
 HELP = "List, examine, import and export structures."
@@ -313,7 +383,7 @@ def _show(
     structure: Annotated[
         str, typer.Argument(help="Library name or TOML file.", metavar="NAME/FILE")
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     fixed_base: FIXED_BASE,
     end: Printed,
 ) -> Answer:
@@ -321,34 +391,24 @@ def _show(
     from thermobearing.structure.result import examine_structure
 
     end.check()
-    result = examine_structure(structure, fixed=fixed_base, **given)
+    result = examine_structure(structure, fixed=fixed_base, **options)
     return end.save_if_asked(result)
 
 
 @command(
     structures,
     "import",
-    fields(
-        "structure.frame_files:import_frame",
-        "units",
-        INPUT,
-        units="|Force and length of a script of OpenSees, such as kN-m or N-mm.",
-    ),
-    examples="structures import pier.csv -o pier\nstructures import pier.tcl --units kN-m -o pier",
+    examples="structures import pier.csv -o pier",
 )
 def _import(
-    file: Annotated[
-        Path,
-        typer.Argument(help="Table of nodes and members (CSV, .xlsx), or script (.tcl, .py)."),
-    ],
-    given: dict[str, Any],
+    file: Annotated[Path, typer.Argument(help="Table of nodes and members (CSV, .xlsx).")],
     end: Printed,
 ) -> Answer:
     """Import a plane frame of piers and decks as a structure, and compare the periods of both."""
     from thermobearing.structure.frame_files import import_frame
 
     end.check()
-    return end.save_if_asked(import_frame(file, **given))
+    return end.save_if_asked(import_frame(file))
 
 
 @command(
@@ -369,14 +429,14 @@ def _export(
     structure: Annotated[
         str, typer.Argument(help="Library name or TOML file.", metavar="NAME/FILE")
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     output: Annotated[Path, option("-o", "--output", help="Script, .py or .tcl.", metavar="FILE")],
     overwrite: Overwrite,
 ) -> Answer:
     """Write a structure on linear or bilinear bearings as an OpenSees script."""
     from thermobearing.opensees.script import write_structure
 
-    remarks = write_structure(structure, output, overwrite=overwrite, **given)
+    remarks = write_structure(structure, output, overwrite=overwrite, **options)
     for remark in remarks:
         typer.echo(f"{remark}.")
     echo_written(output)

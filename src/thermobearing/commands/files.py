@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from thermobearing.commands.common import FILES, REPORT, Answer, app, echo_written, megabytes
+from thermobearing.commands.common import (
+    FILES,
+    REPORT,
+    RESULT,
+    Answer,
+    app,
+    echo_written,
+    megabytes,
+)
 from thermobearing.commands.options import (
     NoLive,
     Overwrite,
@@ -70,7 +78,11 @@ def _list() -> Answer:
 @command(app, "check", examples="check bearing.toml", panel=FILES, laws=True)
 def _check(
     file: Annotated[
-        Path, typer.Argument(help="TOML file of a bearing, a compound, a case or any other input.")
+        Path,
+        typer.Argument(
+            help="TOML file of a bearing, a compound, a case or any other input, or the name of a "
+            "built-in bearing, compound or structure."
+        ),
     ],
 ) -> Answer:
     """Validate a file without running it, and summarize its content.
@@ -78,13 +90,14 @@ def _check(
     Values outside the usual range cause warnings, since their unit or sign may be wrong. For a
     bearing, a short test estimates the error of its heat cells.
     """
-    from thermobearing.commands.check import cells_facts, check_file
+    from thermobearing.commands.check import cells_facts, check_file, named_file
     from thermobearing.results.screen import print_facts, print_warnings
 
-    kind, facts, warnings = check_file(file)
-    facts |= cells_facts(file) if kind == "bearing" else {}
+    path = named_file(file)
+    kind, facts, warnings = check_file(path)
+    facts |= cells_facts(path) if kind == "bearing" else {}
     print_facts(f"{file}: a valid {kind}", facts)
-    print_warnings(warnings)
+    print_warnings(warnings, all_of_them=True)
     return {"outcome": "valid", "kind": kind, "file": str(file), "warnings": warnings}
 
 
@@ -103,8 +116,8 @@ def _check(
     panel=FILES,
 )
 def _new(
-    name: Annotated[str, typer.Argument(help="Name of the new bearing; its file is NAME.toml.")],
-    given: dict[str, Any],
+    name: Annotated[str, typer.Argument(help="Name of the new bearing, or its file: NAME.toml.")],
+    options: dict[str, Any],
     output: Annotated[
         Path | None, option("-o", "--output", help="File to write; NAME.toml by default.")
     ],
@@ -118,18 +131,20 @@ def _new(
     from thermobearing.commands.check import bearing_facts
     from thermobearing.results.screen import print_facts, print_warnings
 
-    bearing = new_bearing(name, **given)
-    target = output or Path(f"{name}.toml")
+    place = Path(name)  # a file in another folder, too
+    name = place.name.removesuffix(".toml")
+    bearing = new_bearing(name, **options)
+    target = output or place.with_name(f"{name}.toml")
     save_bearing(bearing, target, overwrite=overwrite)
     unmeasured = _not_measured(bearing)
     if not quiet:
         facts = bearing_facts(bearing)
-        if "end_plate" not in given:
+        if "end_plate" not in options:
             facts["end plates"] += " (assumed; give --end-plate)"
         if unmeasured:
             facts["not measured"] = _rows(unmeasured)
         print_facts(f"{target}: a new bearing", facts)
-        print_warnings(implausible(bearing))
+        print_warnings(implausible(bearing), all_of_them=True)
         echo_written(target)
     last = {"outcome": "completed", "exit_status": 0, "output": str(target)}
     return last | {"not_measured": unmeasured}
@@ -152,22 +167,22 @@ def _rows(unmeasured: dict[str, str]) -> str:
         keys_of.setdefault(text, []).append(key)
     rows = []
     for text, keys in keys_of.items():
-        shown, before = [], ""
+        names, last_table = [], ""
         for key in keys:
             table, _, name = key.rpartition(".")
-            shown.append(name if table == before else key)
-            before = table
-        rows.append(f"{', '.join(shown)}: {text}")
+            names.append(name if table == last_table else key)
+            last_table = table
+        rows.append(f"{', '.join(names)}: {text}")
     return "\n".join(rows)
 
 
-@command(app, "live", examples="live shen-lhdr-specimen -o bearing.html", panel=FILES, laws=True)
+@command(app, "live", examples="live shen-hdr-bridge -o bearing.html", panel=FILES, laws=True)
 def _live(
     bearing: Annotated[
         str | None,
         typer.Argument(
-            help="Bearing that the page opens with: library name or TOML file; lrb-example by "
-            "default.",
+            help="Bearing that the page opens with: library name or TOML file; "
+            "shen-hdr-bridge by default.",
             metavar="NAME/FILE",
         ),
     ],
@@ -184,8 +199,8 @@ def _live(
     from thermobearing.bearing.library import as_bearing
     from thermobearing.live.page import START, live_page
 
-    shown = as_bearing(bearing or START)
-    file = live_page(output or Path(f"{shown.name}.html"), bearing or START, overwrite=overwrite)
+    opened = as_bearing(bearing or START)
+    file = live_page(output or Path(f"{opened.name}.html"), bearing or START, overwrite=overwrite)
     size = file.stat().st_size
     if not quiet:
         echo_written(file, f" ({megabytes(size)})")
@@ -215,10 +230,19 @@ def _report(
             panel=REPORT,
         ),
     ],
+    overwrite: Annotated[
+        bool,
+        option(
+            "--overwrite",
+            help="Accepted as by other commands: documents of a result are always replaced.",
+            panel=RESULT,
+        ),
+    ],
     quiet: Quiet,
 ) -> Answer:
     """Write report.html and report.pdf of a saved result into its directory."""
-    from thermobearing.report.title import title_given
+    del overwrite  # nothing but documents, which a report makes again from the result
+    from thermobearing.border.title import title_given
     from thermobearing.reporting import make_report
 
     block = title_given(title or [])

@@ -46,43 +46,28 @@ FIT_OPTIONS = (
         "identify.case:find_bearing",
         "start",
         INPUT,
-        start="--bearing --start|Bearing with geometry, materials and fixed parameters.|NAME/FILE",
+        start="--bearing --start||NAME/FILE",
     ),
     fields(
         "identify.case:IdentifyCase",
-        "free assumed one_temperature temperatures",
+        "free assumed one_temperature temperatures start_from",
         INPUT,
-        free="|Parameters to calibrate, such as K_r,d_y or n_T=2.4*m_T.|KEY,KEY",
-        assumed="|Relative standard uncertainty of a parameter that is not calibrated, such as "
-        "materials.side_film=0.1 or sigma_Y=0.|KEY=NUMBER",
-        one_temperature="|Calibrate m_T and n_T even if all tests have the same temperature.",
-        temperatures="|Also calibrate to the measured temperatures.",
+        free="||KEY,KEY",
+        assumed="||KEY=NUMBER",
     ),
     fields(
         "identify.records.treatment:request_treatment",
         "ambient_uncertainty despike detrend",
         INPUT,
-        ambient_uncertainty="|Standard uncertainty of the ambient temperature of every test [K]; "
-        "0.5 by default.|KELVIN",
-        despike="|Remove spikes from all tests.",
-        detrend="|Remove the drift of the zero from all tests: force, displacement or both.|SIGNAL",
+        ambient_uncertainty="||KELVIN",
+        detrend="||SIGNAL",
     ),
-    fields(
-        "identify.case:IdentifyCase",
-        "method polish seed starts evaluations loss",
-        SEARCH,
-        method="|Search: least-squares (default), krill-herd or differential-evolution.",
-        polish="|Finish with least squares (default).",
-        seed="|Seed of all random numbers; 0 by default.",
-        starts="|Number of starting points of least squares, 1 to 100; 3 by default.",
-        evaluations="|Number of model evaluations of the other methods; 2000 by default.",
-        loss="|Loss function: linear (default), soft_l1, huber or cauchy.",
-    ),
+    fields("identify.case:IdentifyCase", "polish seed starts loss", SEARCH),
     fields(
         "identify.uncertainty.posterior:forecast",
-        "posterior ambients",
+        "posterior predict",
         posterior="|Sample the posterior distribution (requires emcee).",
-        ambients="--predict|Ambient temperature [degC] at which a prediction band is computed.",
+        predict="|Ambient temperature [degC] at which a prediction band is computed.",
     ),
     fields(
         "validate.run:cross_validate",
@@ -90,11 +75,7 @@ FIT_OPTIONS = (
         hold_out="|Test that is used for validation only.|FILE",
         folds="|Number of groups for cross-validation; the final calibration uses all tests.",
     ),
-    fields(
-        "identify.case:IdentifyCase",
-        "accept_poor",
-        accept_poor="|Write the bearing of a poor calibration (status 4) as a usable one.",
-    ),
+    fields("identify.case:IdentifyCase", "accept_poor"),
 )
 
 
@@ -108,13 +89,7 @@ FIT_OPTIONS = (
 )
 def _identify(
     tests: TESTS,
-    from_start: Annotated[
-        bool,
-        option(
-            "--from-start", help="Start from the parameters in the bearing's file.", panel=INPUT
-        ),
-    ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     check: Annotated[bool, option("--check", help="Check the tests without calibrating.")],
     quofem: FOR_QUOFEM,
     limit: LIMITS,
@@ -126,14 +101,14 @@ def _identify(
     from thermobearing.identify.records.treatment import request_treatment
     from thermobearing.identify.uncertainty.posterior import need_emcee
 
-    records = [load_test(path) for path in [*tests, *given.pop("hold_out", [])]]
-    bearing = find_bearing(records, given.pop("start", None))
+    records = [load_test(path) for path in [*tests, *options.pop("hold_out", [])]]
+    bearing = find_bearing(records, options.pop("start", None))
     names = ("despike", "detrend", "ambient_uncertainty")
-    treatment: dict[str, Any] = {name: given.pop(name) for name in names if name in given}
+    treatment: dict[str, Any] = {name: options.pop(name) for name in names if name in options}
     if check:  # writes nothing without an output directory
         if end.output is not None:
             end.target()
-        return _look_over(request_treatment(records, **treatment), bearing, end)
+        return _check_tests(request_treatment(records, **treatment), bearing, end)
     if bearing is None:
         raise InputError(
             "no bearing is given: a calibration needs its geometry and materials; use --bearing "
@@ -141,49 +116,50 @@ def _identify(
         )
     target = end.target(f"identify-{records[0].name}")
     records = request_treatment(records, **treatment)
-    sampled, predicted = given.pop("posterior", False), given.pop("ambients", [])
+    sampled, predicted = options.pop("posterior", False), options.pop("predict", [])
     if sampled:
         need_emcee()
     announce_compiling(end.quiet)
     form = "KEY=NUMBER, such as sigma_Y=0.1"
-    assumed = values_by_name(given.pop("assumed", []), "--assumed", form)
-    given |= {"blind": not from_start, "assumed": assumed}
-    if "free" in given:
-        given["free"] = [name.strip() for name in ",".join(given["free"]).split(",")]
-    if len(records) > len(tests) or "folds" in given or limit:
-        given |= {"hold_out": records[len(tests) :], "limits": _limits(limit)}
-    found = _fit(records[: len(tests)], bearing, given, end)
+    assumed = values_by_name(options.pop("assumed", []), "--assumed", form)
+    options["assumed"] = assumed
+    if "free" in options:
+        options["free"] = [name.strip() for name in ",".join(options["free"]).split(",")]
+    # Any of these asks for a validation; without them it is one calibration.
+    if len(records) > len(tests) or "folds" in options or limit:
+        options |= {"hold_out": records[len(tests) :], "limits": _limits(limit)}
+    result = _fit(records[: len(tests)], bearing, options, end)
     if sampled or predicted:
-        seed = given.get("seed", 0)
-        found = found.with_forecast(_forecast(found, sampled, predicted, seed, end.quiet))
-    answer = end.save(found, target)
+        seed = options.get("seed", 0)
+        result = result.with_forecast(_forecast(result, sampled, predicted, seed, end.quiet))
+    answer = end.save(result, target)
     if quofem:
         from thermobearing.identify.quofem import write_quofem
         from thermobearing.results.directory import QUOFEM
 
-        folder = write_quofem(_final(found), target / QUOFEM)
+        folder = write_quofem(_final(result), target / QUOFEM)
         if not end.quiet:
             echo_written(folder)
     return answer
 
 
 def _fit(
-    records: "list[TestRecord]", bearing: "Bearing", given: dict[str, Any], end: Ending
+    records: "list[TestRecord]", bearing: "Bearing", options: dict[str, Any], end: Ending
 ) -> "Identification | CrossValidation":
     """Return a fit to all tests, or one that is validated with those held out."""
     from thermobearing.identify.case import make_identify_case
     from thermobearing.identify.run import run_identify
     from thermobearing.validate.run import cross_validate
 
-    if "hold_out" not in given:
-        return run_identify(make_identify_case(records, bearing, **given))
+    if "hold_out" not in options:
+        return run_identify(make_identify_case(records, bearing, **options))
     return with_progress(
-        lambda show: cross_validate(records, bearing, progress=show, **given), "fits", end.quiet
+        lambda show: cross_validate(records, bearing, progress=show, **options), "fits", end.quiet
     )
 
 
 def _forecast(
-    found: "Identification | CrossValidation",
+    result: "Identification | CrossValidation",
     posterior: bool,
     predict: list[float],
     seed: int,
@@ -193,7 +169,7 @@ def _forecast(
     from thermobearing.identify.uncertainty.posterior import forecast, posterior_effort
     from thermobearing.results.time_axis import duration
 
-    final = _final(found)
+    final = _final(result)
     if posterior and not quiet:
         runs, seconds = posterior_effort(final)
         tests = "1 test" if len(final.records) == 1 else f"{len(final.records)} tests"
@@ -202,18 +178,18 @@ def _forecast(
     return forecast(final, predict, posterior=posterior, seed=seed)
 
 
-def _final(found: "Identification | CrossValidation") -> "Identification":
+def _final(result: "Identification | CrossValidation") -> "Identification":
     """Return the calibration, of a cross-validation the one to all tests that are not held out."""
     from thermobearing.validate.result import CrossValidation
 
-    return found.final if isinstance(found, CrossValidation) else found
+    return result.final if isinstance(result, CrossValidation) else result
 
 
 def _limits(words: list[str] | None) -> dict[str, float]:
     return values_by_name(words, "--limit", "QUANTITY=NUMBER, such as K_eq=0.1")
 
 
-def _look_over(records: "list[TestRecord]", bearing: "Bearing | None", end: Ending) -> Answer:
+def _check_tests(records: "list[TestRecord]", bearing: "Bearing | None", end: Ending) -> Answer:
     """Print the findings of the tests, without a fit; status 2 if one of them cannot be used."""
     from thermobearing.identify.records.checks import check_test, print_checks, save_checks
 
@@ -271,5 +247,5 @@ def _validate(
     target = end.target(f"validate-{first.name}")
     announce_compiling(end.quiet)
     models: Any = model or "multi-layer"
-    found = validate_bearing([first, *(compare_with or [])], tests, models=models, limits=limits)
-    return end.save(found, target)
+    result = validate_bearing([first, *(compare_with or [])], tests, models=models, limits=limits)
+    return end.save(result, target)

@@ -55,7 +55,7 @@ def _intake(
     identify, validate, measure and recorded steps of cyclic cases read it. Unreadable files are
     reported and skipped (exit status 2).
     """
-    from thermobearing.intake.run import take_in, write_template
+    from thermobearing.intake.run import inspect_files, write_template
 
     if template is not None:
         if files:
@@ -68,9 +68,9 @@ def _intake(
         raise InputError("give one or more files, or --template FILE.xlsx")
     stem = re.sub(r"[^\w.+-]+", "-", files[0].stem)[:80] or "file"
     target = end.target(f"intake-{stem}")
-    found = take_in(files, bearing)
+    result = inspect_files(files, bearing)
     return end.save(
-        found, target, sentence="\n".join(found.problems), write_sidecars=write_sidecars
+        result, target, sentence="\n".join(result.problems), write_sidecars=write_sidecars
     )
 
 
@@ -102,20 +102,22 @@ def _measure(
 
     end.check()
     specimen = load_bearing(bearing)
-    found = measure_cycles(file, specimen)
+    measured = measure_cycles(file, specimen)
     last: Answer = {
         "cycles": [
             dataclasses.asdict(cycle) | {"ends": ends}
-            for cycle, ends in zip(found.measures, found.ends, strict=True)
+            for cycle, ends in zip(measured.measures, measured.ends, strict=True)
         ],
-        "notes": found.notes,
+        "notes": measured.notes,
     }
     if end.output is not None:
-        found.save(end.output, overwrite=end.overwrite, figures=end.figures)
+        measured.save(end.output, overwrite=end.overwrite, figures=end.figures)
         last["output"] = str(end.output)
     if not end.quiet:
-        show_table(measured_table(found.measures, found.ends, specimen.total_rubber_thickness))
-        for note in found.notes:
+        show_table(
+            measured_table(measured.measures, measured.ends, specimen.total_rubber_thickness)
+        )
+        for note in measured.notes:
             typer.echo(printable(note))
         if end.output is not None:
             echo_written(end.output)

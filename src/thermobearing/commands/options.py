@@ -5,6 +5,7 @@ A name, a type, a unit and a sentence are written once, where the record or the 
 which `descriptions.py` generates and a test compares.
 """
 
+import contextlib
 import functools
 import inspect
 import json
@@ -16,11 +17,13 @@ from typing import Annotated, Any, NamedTuple, get_args
 
 import typer
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.commands.common import (
     MODEL,
     REPORT,
     RESULT,
+    RUNNING,
+    UNIT,
     Answer,
     Command,
     Drawn,
@@ -46,8 +49,8 @@ Title = Annotated[
     list[str] | None,
     option(
         "--title",
-        help="Entry of the title block of the report: project, structure, client, author, number, "
-        "date, revision or logo (an image file). May be repeated.",
+        help="Entry of the title block of the report: project, structure, client, author, checked, "
+        "approved, number, date, revision or logo (an image file). May be repeated.",
         metavar="KEY=VALUE",
         panel=REPORT,
     ),
@@ -143,7 +146,7 @@ EXPOSURE = Annotated[
 ]
 
 
-def exposure_given(words: Sequence[str] | None) -> dict[str, Any] | None:
+def exposure_table(words: Sequence[str] | None) -> dict[str, Any] | None:
     """Return the table `exposure` from the words of its option; None without."""
     form = "each key once, with a number, such as stiffness=1.3"
     names = [word.partition("=")[0].strip() for word in words or ()]
@@ -160,9 +163,10 @@ class Fields(NamedTuple):
     names: str
     panel: str | None
     flags: dict[str, str]
+    shared: str = ""  # the option that takes all of them, each as KEY=VALUE
 
 
-MADE: list[Fields] = []  # of all commands, for the descriptions
+COMMAND_FIELDS: list[Fields] = []  # of all commands, for the descriptions
 
 
 def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fields:
@@ -170,37 +174,64 @@ def fields(place: str, names: str, panel: str | None = None, **flags: str) -> Fi
 
     `place`: module and name in the package; `names`: of fields or arguments, with spaces; `panel`:
     heading in the help; `flags`: words, help and metavar of an option where they differ, with lines
-    between: `kind="--type|I or II."`; each may be left out.
+    between: `temperatures="--temperature|Ambient temperature [degC]."`; each may be left out.
     """
     return Fields(place, names, panel, flags)
+
+
+def pairs(shared: str, place: str, names: str, panel: str | None = None, help: str = "") -> Fields:
+    """Return one option that takes fields of a record, each as KEY=VALUE, and may be repeated.
+
+    `help` says what they are; the keys with their choices follow it.
+    """
+    return Fields(place, names, panel, {"help": help}, shared)
+
+
+MODEL_OPTIONS = pairs(
+    "--model-option",
+    "model.options:ModelOptions",
+    "scheme integrator hardening small_loops heat_source lead_ends clock stack upper_face "
+    "lower_face side",
+    MODEL,
+    "Option of the model, such as scheme=published",
+)
 
 
 def command(
     app: typer.Typer,
     name: str,
-    *made: Fields,
+    *groups: Fields,
     examples: str = "",
     panel: str | None = None,
     laws: bool = False,
+    twin: str = "",
 ) -> Callable[[Callable[..., Answer]], Callable[..., Answer]]:
     """Add a function to a program as a command, with examples (one a line) at the end of its help.
 
-    Its argument `given` takes the values of the options of `made` that were given, by name; an
+    Its argument `options` takes the values of the options of `groups` that were given, by name; an
     argument of the type `Ending` those of where the result goes, of `Printed` without a report, of
     `Drawn` those of figures alone.
-    The others are options written by hand. `laws` adds the option --law. What the function returns
+    The others are options written by hand. `laws` adds the option --law; `twin` is another name of
+    the command. What the function returns
     is printed with --json; its "exit_status" is that of the command.
     """
-    MADE.extend(made)
+    COMMAND_FIELDS.extend(groups)
 
     def _decorate(function: Callable[..., Answer]) -> Callable[..., Answer]:
         def _light() -> None:
             """Stand in until the command is used."""
 
         _light.__doc__ = function.__doc__
-        _light.__dict__["make"] = lambda: _whole(function, made, laws=laws)
-        epilog = "\n\n".join(f"Example: thermobearing {line}" for line in examples.splitlines())
-        app.command(name, cls=_Lazy, rich_help_panel=panel, epilog=epilog)(_light)
+        _light.__dict__["make"] = lambda: _with_options(function, groups, laws=laws)
+        for word in (name, twin) if twin else (name,):
+            lines = [line.replace(name, word, 1) for line in examples.splitlines()]
+            app.command(
+                word,
+                cls=_Lazy,
+                help=None if word == name else f"The same command as `{name}`.",
+                rich_help_panel=panel,
+                epilog="\n\n".join(f"Example: thermobearing {line}" for line in lines),
+            )(_light)
         return function
 
     return _decorate
@@ -224,23 +255,23 @@ class _Lazy(Command):
         return self.full.make_context(info_name, args, parent, **extra)
 
 
-def _whole(
-    function: Callable[..., Answer], made: Sequence[Fields], *, laws: bool
+def _with_options(
+    function: Callable[..., Answer], groups: Sequence[Fields], *, laws: bool
 ) -> Callable[..., None]:
     """Return the function with all options as its arguments."""
-    options = {name: kind for each in made for name, kind in _options_from(each)}
-    own = inspect.signature(function).parameters
+    options = {name: kind for group in groups for name, kind in _options_from(group)}
+    parameters = inspect.signature(function).parameters
     kinds: dict[str, Any] = {}
     ends: dict[str, tuple[type[Drawn], list[str]]] = {}
-    for name, one in own.items():
-        kind = one.annotation
-        if name == "given":
+    for name, parameter in parameters.items():
+        kind = parameter.annotation
+        if name == "options":
             kinds |= options
         elif isinstance(kind, type) and issubclass(kind, Drawn):
-            every = RESULT_OPTIONS | REPORT_OPTIONS
-            taken = {key: every[key] for key in every if hasattr(kind, key)}
-            ends[name] = (kind, list(taken))
-            kinds |= taken
+            all_options = RESULT_OPTIONS | REPORT_OPTIONS
+            end_options = {key: all_options[key] for key in all_options if hasattr(kind, key)}
+            ends[name] = (kind, list(end_options))
+            kinds |= end_options
         else:
             kinds[name] = kind
     kinds |= {"law": LAW} if laws else {}
@@ -249,18 +280,14 @@ def _whole(
     @reported
     @functools.wraps(function)
     def _call(**words: Any) -> Answer:
-        given = {name: words.pop(name) for name in options}
-        if "given" in own:
-            words["given"] = {
-                name: value
-                for name, value in given.items()
-                if value is not None and value != [] and (value is not False or _two(options[name]))
-            }
+        values = {name: words.pop(name) for name in options}
+        if "options" in parameters:
+            words["options"] = _values_of_options(values, options, groups)
         for name, (kind, keys) in ends.items():
-            taken = {key: words.pop(key) for key in keys}
+            end_options = {key: words.pop(key) for key in keys}
             if kind is Ending:
-                taken["case"] = words.get("case")
-            words[name] = kind(**taken)
+                end_options["case"] = words.get("case")
+            words[name] = kind(**end_options)
         files = words.pop("law", None)
         if not files:
             return function(**words)
@@ -271,7 +298,7 @@ def _whole(
 
     def _default_value(name: str) -> Any:
         """Return the default of the function, else that of the type of the option."""
-        default = own[name].default if name in own else inspect.Parameter.empty
+        default = parameters[name].default if name in parameters else inspect.Parameter.empty
         return _usual(kinds[name]) if default is inspect.Parameter.empty else default
 
     _call.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
@@ -287,6 +314,21 @@ def _whole(
     return _call
 
 
+def _values_of_options(
+    values: dict[str, Any], options: dict[str, Any], groups: Sequence[Fields]
+) -> dict[str, Any]:
+    """Return the values of the options that were given, those of shared options by field."""
+    chosen = {
+        name: value
+        for name, value in values.items()
+        if value is not None and value != [] and (value is not False or _two(options[name]))
+    }
+    for group in groups:
+        if group.shared:
+            chosen |= _values_of_pairs(group, chosen.pop(_argument(group.shared), None))
+    return chosen
+
+
 def _usual(kind: Any) -> Any:
     """Return the value of an option that is not given: none, false, or no value, if it must be."""
     if get_args(kind)[0] is bool:
@@ -299,13 +341,16 @@ def _two(kind: Any) -> bool:
     return types.NoneType in get_args(get_args(kind)[0])
 
 
-def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
+def _options_from(group: Fields) -> Iterator[tuple[str, Any]]:
     """Yield the options of a record or a function as annotations for typer."""
-    for key in each.names.split():
-        described = _described(each.place, key)
+    if group.shared:
+        yield _argument(group.shared), _shared_option(group)
+        return
+    for key in group.names.split():
+        described = _described(group.place, key)
         kind = KINDS[described["kind"]]
         flag = "--" + key.replace("_", "-")
-        words, text, shown, *_ = (*each.flags.get(key, "").split("|"), "", "")
+        words, text, metavar_text, *_ = (*group.flags.get(key, "").split("|"), "", "")
         flags = words.split() or [flag]
         value: Any = kind if described.get("required") else kind | None
         if described.get("switched_on"):
@@ -316,8 +361,65 @@ def _options_from(each: Fields) -> Iterator[tuple[str, Any]]:
         if described.get("several"):
             value = list[kind] | None  # type: ignore[valid-type]
             text = f"{text} May be repeated."
-        metavar = shown or ("NAME/FILE" if described.get("named") else None)
-        yield key, Annotated[value, option(*flags, help=text, panel=each.panel, metavar=metavar)]
+        metavar = metavar_text or ("NAME/FILE" if described.get("named") else None)
+        yield key, Annotated[value, option(*flags, help=text, panel=group.panel, metavar=metavar)]
+
+
+def _argument(flag: str) -> str:
+    """Return the name of the argument of an option."""
+    return flag.removeprefix("--").replace("-", "_")
+
+
+def _shared_option(group: Fields) -> Any:
+    """Return the option that takes several fields as KEY=VALUE, as an annotation for typer."""
+    keys = []
+    for name in group.names.split():
+        described = _described(group.place, name)
+        if "entries" in described:
+            keys += [f"{name}.{entry}" for entry in described["entries"]]
+        elif "choices" in described:
+            keys.append(f"{name}={'|'.join(described['choices'])}")
+        else:
+            unit = UNIT.search(described["text"])
+            keys.append(f"{name} {unit[0]}" if unit else name)
+    text = f"{group.flags['help']}: {', '.join(keys)}. May be repeated."
+    return Annotated[
+        list[str] | None, option(group.shared, help=text, panel=group.panel, metavar="KEY=VALUE")
+    ]
+
+
+def _values_of_pairs(group: Fields, words: Sequence[str] | None) -> dict[str, Any]:
+    """Return the values of a shared option by field, those of entries ("side.film") as tables.
+
+    A number is converted; any other text is for the record, which takes "10 ms" too.
+    """
+    values: dict[str, Any] = {}
+    keys: set[str] = set()
+    for word in words or ():
+        key, mark, text = (part.strip() for part in word.partition("="))
+        name, _, entry = key.partition(".")
+        if name not in group.names.split():
+            unknown = f'{group.shared} "{word}": unknown key "{name}"'
+            raise InputError(f"{unknown}{nearest(name, group.names.split())}")
+        described = _described(group.place, name)
+        if not mark or key in keys or bool(entry) != ("entries" in described):
+            entries = described.get("entries")
+            form = f"{name}.{entries[0]}=VALUE" if entries else f"{name}=VALUE"
+            raise InputError(f'{group.shared} "{word}": give each key once, as {form}')
+        keys.add(key)
+        kind = float if entry else KINDS[described["kind"]]
+        value: Any = text
+        with contextlib.suppress(ValueError):
+            value = kind(text)
+        if entry:
+            values.setdefault(name, {})[entry] = value
+        else:
+            values[name] = value
+    running = RUNNING.get()
+    if running is not None:  # messages name the option with the key
+        running |= {name: (f"{group.shared} {name}", name in keys) for name in group.names.split()}
+        running |= {key: (f"{group.shared} {key}", True) for key in keys}
+    return values
 
 
 KINDS: dict[str, Any] = {kind.__name__: kind for kind in (str, int, float, bool)}

@@ -54,12 +54,9 @@ app.add_typer(studies, name="study", rich_help_panel=ANALYSES)
     RUN,
     fields(
         "studies.run.engine:run_study",
-        "jobs executor address shard",
+        "jobs executor address shard resume",
         HOW,
-        jobs="|Number of processes; by default one for each core.",
-        executor="|Executor: process (default) or dask.",
-        address="|Address of the Dask scheduler, tcp://HOST:8786.|ADDRESS",
-        shard="|Part i/n of the study, for batch systems: every n-th chunk from the i-th.",
+        address="||ADDRESS",
     ),
     examples="study run p1.toml -o p1 --jobs 8\nstudy run p1.toml --dry-run",
     laws=True,
@@ -83,25 +80,39 @@ def _run(
             panel=WHERE,
         ),
     ],
-    given: dict[str, Any],
+    options: dict[str, Any],
     quiet: Quiet,
 ) -> Answer:
     """Run or resume a parameter study."""
     from thermobearing.studies.definition.case import load_study
-    from thermobearing.studies.run.engine import check_start, run_study
+    from thermobearing.studies.run.engine import check_resumed, check_start, run_study
 
-    made = load_study(study)
-    jobs = given.get("jobs")
+    loaded = load_study(study)
+    jobs = options.get("jobs")
     if dry_run:
-        return _show_forecast(made, jobs, quiet)
-    target = output or Path(f"study-{made.name}")
-    if made.factors.motion.matched is not None:
-        check_start(target, **given)
-        made = _with_motions(made, target, jobs, quiet)
+        return _show_forecast(loaded, jobs, quiet)
+    target = output or Path(f"study-{loaded.name}")
+    if options.get("resume"):
+        check_resumed(target)
+    _announce_resuming(target, quiet)
+    # Generating motions takes minutes: what would stop the study is found before it.
+    if loaded.factors.motion.matched is not None:
+        check_start(target, **{name: options[name] for name in options if name != "resume"})
+        loaded = _with_motions(loaded, target, jobs, quiet)
     status = with_progress(
-        lambda show: run_study(made, target, progress=show, **given), "runs", quiet, STRUCTURES
+        lambda show: run_study(loaded, target, progress=show, **options), "runs", quiet, STRUCTURES
     )
-    return _answer(status, quiet, part="shard" in given)
+    return _answer(status, quiet, part="shard" in options)
+
+
+def _announce_resuming(target: Path, quiet: bool) -> None:
+    """Say how much of a study is there already."""
+    from thermobearing.studies.result import is_study
+    from thermobearing.studies.run.engine import study_status
+
+    if not quiet and is_study(target):
+        status = study_status(target)
+        typer.echo(f"resuming {target}: {status.done} of {status.runs} runs are there", err=True)
 
 
 @command(studies, "status", examples="study status p1")
@@ -109,9 +120,9 @@ def _status(directory: DIRECTORY) -> Answer:
     """Show the progress of a study and the reasons for failed runs."""
     from thermobearing.studies.run.engine import study_status
 
-    found = study_status(directory)
-    found.show()
-    return {"exit_status": 0, "output": str(directory), **found.summary()}
+    status = study_status(directory)
+    status.show()
+    return {"exit_status": 0, "output": str(directory), **status.summary()}
 
 
 @command(studies, "table", examples="study table p1 -o p1.csv")
@@ -126,11 +137,12 @@ def _table(
     """Export all completed runs to a table file with one row per run."""
     from thermobearing.studies.store import Store, write_table
 
-    found = Store(directory).table()
+    store = Store(directory)
+    table = store.table(shards=store.checked_shards())
     file = output or Path(f"{directory}.csv")
-    write_table(found, file, overwrite=overwrite)
-    echo_written(file, f" ({len(found)} runs)")
-    return {"exit_status": 0, "output": str(file), "runs": len(found)}
+    write_table(table, file, overwrite=overwrite)
+    echo_written(file, f" ({len(table)} runs)")
+    return {"exit_status": 0, "output": str(file), "runs": len(table)}
 
 
 @command(
@@ -160,14 +172,14 @@ def _export(
     from thermobearing.studies.result import study_result
 
     target = output or Path(f"{directory}-pelicun")
-    given = values_by_name(capacity, "--capacity", "COLUMN=VALUE, such as pier_ductility=4")
-    left = write_pelicun(
-        study_result(directory), target, capacities=given or None, overwrite=overwrite
+    capacities = values_by_name(capacity, "--capacity", "COLUMN=VALUE, such as pier_ductility=4")
+    sentences = write_pelicun(
+        study_result(directory), target, capacities=capacities or None, overwrite=overwrite
     )
-    for sentence in left:
+    for sentence in sentences:
         typer.echo(f"no curve of {sentence}")
     echo_written(target)
-    return {"exit_status": 0, "output": str(target), "without_curve": left}
+    return {"exit_status": 0, "output": str(target), "without_curve": sentences}
 
 
 @command(
@@ -185,7 +197,7 @@ def _export(
     ),
     examples="study figures p1 --hazard site.csv --capacity 4 --figure-width single-column",
 )
-def _figures(directory: DIRECTORY, given: dict[str, Any], end: Drawn) -> Answer:
+def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answer:
     """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
     The figures are written into DIR/figures. The settings are stored in DIR/question.toml, which
@@ -199,7 +211,7 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], end: Drawn) -> Answer:
         study_result,
     )
 
-    question = change_question(load_question(directory), given)
+    question = change_question(load_question(directory), options)
     result = study_result(directory, question)
     files = result.plot.save_all(directory / FIGURES, **end.figures)
     save_question(directory, question)
@@ -218,7 +230,7 @@ def _figures(directory: DIRECTORY, given: dict[str, Any], end: Drawn) -> Answer:
 )
 def _worst(
     directory: DIRECTORY,
-    given: dict[str, Any],
+    options: dict[str, Any],
     count: Annotated[int, option(help="Number of runs to list.", min=1)] = 10,
 ) -> Answer:
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
@@ -227,7 +239,7 @@ def _worst(
     from thermobearing.studies.result import study_result
 
     result = study_result(directory)
-    table = result.worst(count, given.get("demand"))
+    table = result.worst(count, options.get("demand"))
     show_table(worst_table(result, table.drop(columns="command")))
     for line in table["command"]:
         say(line)
@@ -241,17 +253,17 @@ def _repeat(
     end: Printed,
 ) -> Answer:
     """Repeat one run of a study and save all histories, as `bridge` does."""
-    from thermobearing.studies.definition.case import load_study
     from thermobearing.studies.run.engine import repeat_run
-    from thermobearing.studies.store import STUDY
+    from thermobearing.studies.store import Store
 
     end.check()
-    return end.save_if_asked(repeat_run(load_study(directory / STUDY), run))
+    store = Store(directory)
+    return end.save_if_asked(repeat_run(store.study(), run, store))
 
 
 def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> Any:
     """Return the study with generated motions, which are announced first."""
-    from thermobearing.report.words import counted
+    from thermobearing.quantities.words import counted
     from thermobearing.studies.definition.motions import missing_motions, with_matched
 
     missing = len(missing_motions(study, target))
@@ -270,19 +282,20 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     from thermobearing.studies.run.engine import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
-    found = forecast(study, jobs)
+    estimate = forecast(study, jobs)
     if not quiet:
-        size = f"{found.size / 1e3:.0f} kB" if found.size < 1e6 else megabytes(found.size)
-        failed = f", {found.failed} failed" if found.failed else ""
+        size = f"{estimate.size / 1e3:.0f} kB" if estimate.size < 1e6 else megabytes(estimate.size)
+        failed = f", {estimate.failed} failed" if estimate.failed else ""
         facts = {
-            "runs": str(found.runs),
-            "one run": f"{1e3 * found.seconds:.3g} ms, of {found.tried} trial runs{failed}",
-            "motions": f"{found.motions} to be generated first, "
-            f"{say_duration(found.motion_seconds)} each",
-            "total": f"{say_duration(max(found.whole_seconds, 1.0))} with --jobs {found.jobs}",
+            "runs": str(estimate.runs),
+            "one run": f"{1e3 * estimate.seconds:.3g} ms, of {estimate.tried} trial runs{failed}",
+            "motions": f"{estimate.motions} to be generated first, "
+            f"{say_duration(estimate.motion_seconds)} each",
+            "total": f"{say_duration(max(estimate.whole_seconds, 1.0))} "
+            f"with --jobs {estimate.jobs}",
             "size": f"at most {size}",
         }
-        if not found.motions:
+        if not estimate.motions:
             del facts["motions"]
         print_facts(f"{study.name}: nothing is written", facts)
         for note in study.pair_notes:
@@ -291,13 +304,13 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
         "outcome": "dry_run",
         "exit_status": 0,
         "notes": study.pair_notes,
-        "runs": found.runs,
-        "seconds_a_run": found.seconds,
-        "motions_to_make": found.motions,
-        "seconds_a_motion": found.motion_seconds,
-        "jobs": found.jobs,
-        "seconds": found.whole_seconds,
-        "bytes": found.size,
+        "runs": estimate.runs,
+        "seconds_a_run": estimate.seconds,
+        "motions_to_make": estimate.motions,
+        "seconds_a_motion": estimate.motion_seconds,
+        "jobs": estimate.jobs,
+        "seconds": estimate.whole_seconds,
+        "bytes": estimate.size,
     }
 
 
@@ -305,6 +318,7 @@ def _answer(status: "Status", quiet: bool, *, part: bool) -> Answer:
     """Print the progress of a study and return its answer with the exit status."""
     codes = {"interrupted": INTERRUPTED, "some_failed": ENDED_EARLY}
     code = codes.get(status.outcome, 0)
+    # A shard is incomplete by design; failed runs in it are an error all the same.
     if status.outcome == "incomplete" and status.failed:
         code = ENDED_EARLY
     with contextlib.suppress(KeyboardInterrupt):  # all is safe by now

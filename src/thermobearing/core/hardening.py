@@ -41,9 +41,11 @@ def _strain_factor_on_line(
     """B s^2 and its derivative by s, or their monotone form where s and Z differ in sign."""
     b = rubber.hardening
     if rubber.monotone and any_lane(s * z < 0.0):
+        # B s^2 may rise until its slope takes all but `sharing_start` of ke at |Z| = d_y.
         steepest = (1.0 - rubber.sharing_start) * ke / (kh * rubber.yield_displacement)
         straight = (s * z < 0.0) & (2.0 * b * abs(s) > steepest)
         if any_lane(straight):
+            # p |s| - p^2/(4 B) touches B s^2 where the slope is p (docs/theory.md, Eq. T5).
             line = steepest * (abs(s) - 0.25 * steepest / b)
             return (
                 select(straight, line, b * s * s),
@@ -82,15 +84,15 @@ def force_and_tangent(
     w: float,
 ) -> tuple[Vector, Matrix]:
     """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
-    more, by_s = strain_factor(rubber, ke, kh, hardening_strain(d, mean, w), z)
-    hardening = 1.0 + more
+    strain_term, by_s = strain_factor(rubber, ke, kh, hardening_strain(d, mean, w), z)
+    hardening = 1.0 + strain_term
     by_strain = outer(z, scaled(by_s, 1.0 - w))
     force = plus(scaled(d, ke), scaled(z, hardening * kh))
     return force, plus(isotropic(d, ke), scaled(plus(scaled(slope, hardening), by_strain), kh))
 
 
 @compiled
-def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bool:
+def surely_stiff(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bool:
     """Return whether the margin surely exceeds `sharing_start`: a bound on Z, not the closed form.
 
     |Z| unloads fastest at the start, or where an inner branch starts, and loads by at most 1; the
@@ -102,16 +104,19 @@ def clear(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float) -> bo
         return False
     largest = max(abs(layer.z), layer.amplitude)
     steepest = max(1.0, 1.0 + rubber.unloading_curvature * largest * largest)
+    # The largest |Z| against d after the step: unloading as fast as it can, less the |Z| that is
+    # with d now.
     against = steepest * abs(step) - math.copysign(layer.z, layer.z * d)
-    away, too_far = against <= 0.0, against >= d_y
-    if all_lanes(away):
+    never_opposed, too_far = against <= 0.0, against >= d_y
+    if all_lanes(never_opposed):
         return no(crosses)
     if all_lanes(too_far):
         return False
     u, b = against / d_y, rubber.hardening
+    # Both terms of the margin are smallest at that Z.
     lowest = (1.0 + b * d * d) * (1.0 - u * u) - 2.0 * b * abs(d) * against
     enough = ke + kh * lowest >= rubber.sharing_start * ke
-    return no(crosses | too_far) & (away | enough)
+    return no(crosses | too_far) & (never_opposed | enough)
 
 
 @compiled
@@ -128,11 +133,12 @@ def _margin_on_line(
     sigma = select(step >= 0.0, 1.0, -1.0)
     loading = (sigma * layer.d >= 0.0) & (sigma * layer.z >= 0.0)
     d = layer.d + step
+    # |Z| <= d_y bounds the negative term. Bounds come first: most steps need no closed form.
     harmful = 2.0 * b * abs(d) * kh * d_y > (1.0 - rubber.sharing_start) * ke
     stiffens = loading | no(harmful)
     if all_lanes(stiffens):
         return 1.0, 0.0
-    stiffens = stiffens | clear(rubber, ke, kh, layer, step)
+    stiffens = stiffens | surely_stiff(rubber, ke, kh, layer, step)
     if all_lanes(stiffens):
         return 1.0, 0.0
     z, by = advance(rubber, old, j, d, step)
@@ -171,14 +177,17 @@ def _margin_in_plane(
     b, d_y, start = rubber.hardening, rubber.yield_displacement, rubber.sharing_start
     z0: Any = old.layers[j].z
     d: Any = plus(old.layers[j].d, step)
+    # The bounds of a line, with norms.
     harmful = 2.0 * b * norm(d) * kh * d_y > (1.0 - start) * ke
     if all_lanes(no(harmful)):
         return 1.0, zero(step)
     h = 1.0 + b * dot(d, d)
     steepest = max(1.0, 1.0 + rubber.unloading_curvature * dot(z0, z0))
-    moved = steepest * norm(step)  # |Z| changes by at most that, and the eigenvalue by a multiple
+    z_change = steepest * norm(
+        step
+    )  # |Z| changes by at most that, and the eigenvalue by a multiple
     least = _least_hardening(b, d_y, d, z0)[0]
-    lowest = least - 2.0 * (h / d_y * (1.0 + moved / d_y) + b * norm(d)) * moved
+    lowest = least - 2.0 * (h / d_y * (1.0 + z_change / d_y) + b * norm(d)) * z_change
     bounded = rubber.law_in_plane == 0  # by the closed form
     fine = no(harmful) | (bounded & (ke + kh * (h + lowest) >= start * ke))
     if all_lanes(fine):
@@ -213,8 +222,8 @@ def weight(rubber: Rubber, old: State, work: LayerWork, step: Vector) -> tuple[f
         return 0.0, zero(step)
     for j in range(len(work.trial)):
         value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old, j, step)
-        less = value < smallest
-        smallest, rate = select(less, value, smallest), pick(less, by, rate)
+        is_smaller = value < smallest
+        smallest, rate = select(is_smaller, value, smallest), pick(is_smaller, by, rate)
     width = rubber.sharing_start - rubber.sharing_full
     t = (rubber.sharing_start - smallest) / width
     none, all_of_it = t <= 0.0, t >= 1.0
@@ -222,6 +231,7 @@ def weight(rubber: Rubber, old: State, work: LayerWork, step: Vector) -> tuple[f
         return 0.0, zero(step)
     if all_lanes(all_of_it):
         return 1.0, zero(step)
+    # A smooth step, whose slope is zero at both ends: the tangent stays continuous.
     w = t * t * (3.0 - 2.0 * t)
     by_step = scaled(rate, -6.0 * t * (1.0 - t) / width)
     return (

@@ -19,6 +19,7 @@ from thermobearing.core.types import Cells, CellWork
 @compiled_apart
 def factor(rates: Cells, side_implicit: bool, dt: float, cells: CellWork) -> None:
     """LU factors of I + dt/2 M for this dt [s], into the workspace `cells`."""
+    # Thomas' algorithm; inverse pivots are kept, so that steps multiply only.
     half = 0.5 * dt
     previous_upper = 0.0
     previous_pivot = 0.0
@@ -74,6 +75,7 @@ def substitute(
     Returns the heat stored, and lost through end faces and sides, over the step [kN mm], complete
     bearing.
     """
+    # Losses at the mean excess of the step; the printed scheme takes the sides at its start (P2).
     side_share = 0.5 if side_implicit else 0.0
     n, change = len(temperature), cells.change
     last, stored, ends, sides = 0.0, 0.0, 0.0, 0.0

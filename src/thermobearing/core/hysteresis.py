@@ -67,9 +67,9 @@ def law_type(components: int) -> Any:
 
 
 def _call(components: int, address: int, *numbers: float) -> Any:
-    found = (ctypes.c_double * COMPONENTS[components])()
-    law_type(components)(address)(*numbers, found)
-    return tuple(found)
+    results = (ctypes.c_double * COMPONENTS[components])()
+    law_type(components)(address)(*numbers, results)
+    return tuple(results)
 
 
 def call_on_line(
@@ -79,8 +79,8 @@ def call_on_line(
 
     Compiled kernels have other code for it (lanes/choices.py).
     """
-    found: tuple[float, float] = _call(1, address, z, d, a, b, c, e)
-    return found
+    result: tuple[float, float] = _call(1, address, z, d, a, b, c, e)
+    return result
 
 
 def call_in_plane(
@@ -95,12 +95,12 @@ def call_in_plane(
     e: float,
 ) -> tuple[float, float, float, float, float, float]:
     """Call a law of a user in a plane: Z and the rows of its slope, all relative to d_y."""
-    found: tuple[float, ...] = _call(2, address, zx, zy, dx, dy, a, b, c, e)
-    return found  # type: ignore[return-value]
+    result: tuple[float, ...] = _call(2, address, zx, zy, dx, dy, a, b, c, e)
+    return result  # type: ignore[return-value]
 
 
 @compiled_apart
-def own_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
+def user_law_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
     """Z and dZ/dd after a motion by the law of a user."""
     d_y, r = rubber.yield_displacement, rubber
     u, slope = call_on_line(r.law, z / d_y, moved / d_y, r.law_1, r.law_2, r.law_3, r.law_4)
@@ -108,8 +108,8 @@ def own_on_line(rubber: Rubber, z: float, moved: float) -> tuple[float, float]:
 
 
 @compiled_apart
-def own_in_plane(rubber: Rubber, z: Pair, moved: Pair) -> tuple[Pair, Square]:
-    """`own_on_line` in a plane."""
+def user_law_in_plane(rubber: Rubber, z: Pair, moved: Pair) -> tuple[Pair, Square]:
+    """`user_law_on_line` in a plane."""
     d_y, r = rubber.yield_displacement, rubber
     u: Any = over(z, d_y)
     d: Any = over(moved, d_y)
@@ -125,26 +125,30 @@ def unload(u: float, e: float, curvature: float) -> tuple[float, float]:
 
     The curvature of runs in lockstep has one sign.
     """
+    # c > 0: k u = tan(k e + atan(k u_0)), written with the addition theorem. From a quarter turn on
+    # tan begins again, but u has passed zero.
     if any_lane(curvature > 0.0):
         k = math.sqrt(curvature)
         t = math.tan(k * e)
         arrives = (t >= -k * u) | (k * e >= 0.5 * math.pi)
         nearer = (u + t / k) / (1.0 - k * u * t)
-        left = e
+        remaining = e
         if any_lane(arrives):
             reach = math.atan(-k * u) / k
-            left = e - reach
-        return select(arrives, 0.0, nearer), select(arrives, left, 0.0)
+            remaining = e - reach
+        return select(arrives, 0.0, nearer), select(arrives, remaining, 0.0)
+    # c < 0 (s > 1): the same with tanh, which has no quarter turn.
     if any_lane(curvature < 0.0):
         k = math.sqrt(-curvature)
         t = math.tanh(k * e)
         arrives = t >= -k * u
         nearer = (u + t / k) / (1.0 + k * u * t)
-        left = e
+        remaining = e
         if any_lane(arrives):
             reach = math.atanh(-k * u) / k
-            left = e - reach
-        return select(arrives, 0.0, nearer), select(arrives, left, 0.0)
+            remaining = e - reach
+        return select(arrives, 0.0, nearer), select(arrives, remaining, 0.0)
+    # c = 0 (s = 1): a straight line of slope one.
     arrives = e >= -u
     return select(arrives, 0.0, u + e), select(arrives, e + u, 0.0)
 
@@ -172,12 +176,14 @@ def exact_increment(
     per_d_y = 1.0 / d_y
     u = sigma * z
     e = abs(increment)
+    # An increment may unload to zero and load with the rest of its path.
     unloads = u < 0.0
     if any_lane(unloads):
-        nearer, left = unload(u, e, curvature)
-        u, e = select(unloads, nearer, u), select(unloads, left, e)
+        nearer, remaining = unload(u, e, curvature)
+        u, e = select(unloads, nearer, u), select(unloads, remaining, e)
     loads = u >= 0.0
     if any_lane(loads):
+        # u = d_y tanh(e/d_y + atanh(u_0/d_y)), written with the addition theorem.
         t = math.tanh(e * per_d_y)
         u = select(loads, (u + d_y * t) / (1.0 + u * t * per_d_y), u)
     return sigma * u, hysteretic_slope(u, d_y, curvature)
@@ -200,13 +206,17 @@ def entry(layer: Layer, turns: Rows[Turn], sigma: float) -> tuple[bool, float, f
     Returns whether it reverses, how many turning points are remembered then, the centre of the
     branch, and d and Z where it ends if it is an inner one.
     """
-    back = layer.heading * sigma < 0.0
-    outer = (layer.turns < 2.0) & (-sigma * layer.z >= layer.amplitude)
-    known = select(back, select(outer, 1.0, layer.turns + 1.0), layer.turns)
-    turned = select(back, layer.z, turns[0].z)
-    centre = select(known > 1.0, turned + sigma * layer.amplitude, 0.0)
-    to_d, to_z = select(back, turns[0].d, turns[1].d), select(back, turns[0].z, turns[1].z)
-    return back, known, centre, to_d, to_z
+    reverses = layer.heading * sigma < 0.0
+    # A reversal at |Z| of the outermost turning point or beyond it replaces the memory.
+    is_outer = (layer.turns < 2.0) & (-sigma * layer.z >= layer.amplitude)
+    remembered = select(reverses, select(is_outer, 1.0, layer.turns + 1.0), layer.turns)
+    newest_z = select(reverses, layer.z, turns[0].z)
+    # An inner branch is the reflection of the outer one, about Z_n + sigma Z_P.
+    centre = select(remembered > 1.0, newest_z + sigma * layer.amplitude, 0.0)
+    # It ends at the last turning point but one, which is turns[0] where the reversal itself has
+    # just become the last.
+    to_d, to_z = select(reverses, turns[0].d, turns[1].d), select(reverses, turns[0].z, turns[1].z)
+    return reverses, remembered, centre, to_d, to_z
 
 
 @compiled_apart
@@ -219,23 +229,26 @@ def branch(
     points are left, and where the branch ends if it is an inner one.
     """
     x, z = layer.d, layer.z
+    # The usual case: no inner branch, and no reversal.
     plain = (layer.turns < 2.0) & (layer.heading * sigma >= 0.0)
     if all_lanes(plain):
         return x, z, 0.0, layer.turns, d
-    back, left, centre, to_d, to_z = entry(layer, turns, sigma)
-    reached = (left > 1.0) & (sigma * (d - to_d) >= 0.0)
+    reverses, remaining, centre, to_d, to_z = entry(layer, turns, sigma)
+    reached = (remaining > 1.0) & (sigma * (d - to_d) >= 0.0)
     k = 0
+    # A long motion may pass the ends of several inner branches; each end forgets two points. A
+    # reversal in this motion is not in `turns` yet: its newest entry is the last but one.
     while any_lane(reached):
         x, z = select(reached, to_d, x), select(reached, to_z, z)
-        left = select(reached, left - 2.0, left)
+        remaining = select(reached, remaining - 2.0, remaining)
         k += 2
-        turned = select(back, turns[k - 1].z, turns[k].z)
-        inner = select(left > 1.0, turned + sigma * layer.amplitude, 0.0)
+        newest_z = select(reverses, turns[k - 1].z, turns[k].z)
+        inner = select(remaining > 1.0, newest_z + sigma * layer.amplitude, 0.0)
         centre = select(reached, inner, centre)
-        to_d = select(reached, select(back, turns[k].d, turns[k + 1].d), to_d)
-        to_z = select(reached, select(back, turns[k].z, turns[k + 1].z), to_z)
-        reached = reached & (left > 1.0) & (sigma * (d - to_d) >= 0.0)
-    return x, z, centre, left, to_d
+        to_d = select(reached, select(reverses, turns[k].d, turns[k + 1].d), to_d)
+        to_z = select(reached, select(reverses, turns[k].z, turns[k + 1].z), to_z)
+        reached = reached & (remaining > 1.0) & (sigma * (d - to_d) >= 0.0)
+    return x, z, centre, remaining, to_d
 
 
 @compiled
@@ -244,25 +257,28 @@ def _decay(p: float, e: float, d_y: float, curvature: float) -> tuple[float, flo
 
     The last two are R = sqrt(f(p')/f(p)) and dR/dp.
     """
-    u, left, ratio = p, e, 1.0
+    u, loading_path, ratio = p, e, 1.0
     unloads = p < 0.0
     start = 1.0 + curvature * p * p
     if any_lane(unloads):
-        nearer, rest = unload(p, e, curvature)
-        u, left = select(unloads, nearer, p), select(unloads, rest, e)
+        nearer, remainder = unload(p, e, curvature)
+        u, loading_path = select(unloads, nearer, p), select(unloads, remainder, e)
         ratio = math.sqrt((1.0 + curvature * u * u) / start)
         ratio = select(unloads, ratio, 1.0)
-    grown, divisor = 0.0, 1.0
+    sinh_term, divisor = 0.0, 1.0
     loads = u >= 0.0
     if any_lane(loads):
-        lost = math.expm1(-left / d_y)
-        both, grown = 1.0 + (1.0 + lost) * (1.0 + lost), -lost * (2.0 + lost)
-        divisor = both + u / d_y * grown  # 2 exp(-left/d_y) (cosh + u/d_y sinh)
-        ratio = select(loads, ratio * 2.0 * (1.0 + lost) / divisor, ratio)
-        u = select(loads, (u * both + d_y * grown) / divisor, u)
+        # With q = exp(-loading_path/d_y), 1 + q^2 = 2 q cosh and 1 - q^2 = 2 q sinh: no overflow on
+        # long paths, no lost digits on short ones.
+        exp_minus_one = math.expm1(-loading_path / d_y)
+        cosh_term = 1.0 + (1.0 + exp_minus_one) * (1.0 + exp_minus_one)
+        sinh_term = -exp_minus_one * (2.0 + exp_minus_one)
+        divisor = cosh_term + u / d_y * sinh_term  # 2 q (cosh + u/d_y sinh)
+        ratio = select(loads, ratio * 2.0 * (1.0 + exp_minus_one) / divisor, ratio)
+        u = select(loads, (u * cosh_term + d_y * sinh_term) / divisor, u)
     growth = select(u < 0.0, curvature * u, -u / (d_y * d_y))
     by_unloading = (growth - curvature * p) / start
-    return u, ratio, ratio * select(unloads, by_unloading, -grown / (d_y * divisor))
+    return u, ratio, ratio * select(unloads, by_unloading, -sinh_term / (d_y * divisor))
 
 
 @compiled
@@ -278,6 +294,8 @@ def plane_increment(z: Pair, increment: Pair, d_y: float, curvature: float) -> t
     after, ratio, by_p = _decay(p, e, d_y, curvature)
     growth = select(after < 0.0, curvature * after, -after / (d_y * d_y))
     start = select(p < 0.0, curvature, -1.0 / (d_y * d_y))
+    # Quotients by e are differences of nearly equal numbers where e is short; their limits are
+    # taken there.
     short = e <= SHORT * d_y
     per = 1.0 / select(short, d_y, e)
     side = ratio * q
@@ -300,12 +318,14 @@ def _advance_on_line(
     layer = old.layers[j]
     z, centre, sigma = layer.z, 0.0, 1.0
     if rubber.law != 0:
-        return own_on_line(rubber, z, moved)
+        return user_law_on_line(rubber, z, moved)
     if rubber.integrator == EULER:
         return euler_increment(z, moved, d_y, curvature)
     if rubber.closed_loops:
         sigma = select(moved >= 0.0, 1.0, -1.0)
         x, z, centre, _, _ = branch(layer, old.turns[j], d, sigma)
+        # On any branch Z - centre obeys the law of the outer one, turned into the positive
+        # direction.
         z, moved = sigma * (z - centre), abs(d - x)
     z, slope = exact_increment(z, moved, d_y, curvature)
     if rubber.closed_loops:
@@ -320,7 +340,7 @@ def _advance_in_plane(
     """`advance` in a plane."""
     z: Any = old.layers[j].z
     if rubber.law_in_plane != 0:
-        return own_in_plane(rubber, z, moved)
+        return user_law_in_plane(rubber, z, moved)
     return plane_increment(z, moved, rubber.yield_displacement, rubber.unloading_curvature)
 
 
@@ -332,9 +352,10 @@ def _start_slope_on_line(rubber: Rubber, old: State, j: int, step: float) -> flo
     """dZ/dd where layer j sets out in the direction of `step`."""
     sigma, centre = direction(step), 0.0
     if rubber.law != 0:
-        return own_on_line(rubber, old.layers[j].z, sigma * LEAST_STEP * rubber.yield_displacement)[
-            1
-        ]
+        # A law of the user gives its slope at the end of a motion only: the least motion shows it.
+        return user_law_on_line(
+            rubber, old.layers[j].z, sigma * LEAST_STEP * rubber.yield_displacement
+        )[1]
     if rubber.closed_loops:
         centre = entry(old.layers[j], old.turns[j], sigma)[2]
     d_y = rubber.yield_displacement
@@ -347,7 +368,7 @@ def _start_slope_in_plane(rubber: Rubber, old: State, j: int, step: Pair) -> Squ
     z: Any = old.layers[j].z
     if rubber.law_in_plane != 0:
         least = scaled(direction(step), LEAST_STEP * rubber.yield_displacement)
-        return own_in_plane(rubber, z, least)[1]
+        return user_law_in_plane(rubber, z, least)[1]
     per = -1.0 / (rubber.yield_displacement * rubber.yield_displacement)
     curvature = select(dot(z, step) < 0.0, rubber.unloading_curvature, per)
     return plus(isotropic(z, 1.0), outer(scaled(z, curvature), z))
@@ -357,17 +378,17 @@ start_slope = choice(_start_slope_on_line, _start_slope_in_plane, at=3)
 
 
 @compiled
-def _way_from_zero(u: float, d_y: float, curvature: float) -> float:
+def _path_from_zero(u: float, d_y: float, curvature: float) -> float:
     """Path of a motion from u = 0 to u, the inverse of `exact_increment`; u < 0 lies behind."""
     loading = d_y * math.atanh(min(max(u, 0.0) / d_y, 1.0))
-    behind = min(u, 0.0)
+    unloading = min(u, 0.0)
     if any_lane(curvature > 0.0):
         k = math.sqrt(curvature)
-        behind = math.atan(k * behind) / k
+        unloading = math.atan(k * unloading) / k
     elif any_lane(curvature < 0.0):
         k = math.sqrt(-curvature)
-        behind = math.atanh(k * behind) / k
-    return loading + behind
+        unloading = math.atanh(k * unloading) / k
+    return loading + unloading
 
 
 @compiled_apart
@@ -379,7 +400,7 @@ def forget(turns: Rows[Turn], full: bool, amplitude: float, d_y: float, curvatur
     outermost, inner = turns[DEPTH], turns[DEPTH - 3]
     sigma = select(outermost.d >= inner.d, 1.0, -1.0)
     u = sigma * (outermost.z - inner.z) - amplitude
-    path = _way_from_zero(u, d_y, curvature) - _way_from_zero(-amplitude, d_y, curvature)
+    path = _path_from_zero(u, d_y, curvature) - _path_from_zero(-amplitude, d_y, curvature)
     d = inner.d + sigma * min(path, abs(outermost.d - inner.d))
     turns[DEPTH - 2].d = select(full, d, turns[DEPTH - 2].d)
     turns[DEPTH - 2].z = select(full, outermost.z, turns[DEPTH - 2].z)
@@ -398,29 +419,33 @@ def _remember_on_line(rubber: Rubber, old: State, new: State, j: int, moved: flo
     if all_lanes(plain):
         turns[0].d, turns[0].z = past[0].d, past[0].z
         return
-    back, known, _, _, _ = entry(layer, past, sigma)
-    left = branch(layer, past, after.d, sigma)[3]
-    still = back & rests
-    back = back & no(still)
-    known, left = select(still, layer.turns, known), select(still, layer.turns, left)
-    outer = back & (known == 1.0)
-    amplitude = select(left == 0.0, 0.0, select(outer, abs(layer.z), layer.amplitude))
+    reverses, remembered, _, _, _ = entry(layer, past, sigma)
+    remaining = branch(layer, past, after.d, sigma)[3]
+    no_reversal = reverses & rests
+    reverses = reverses & no(no_reversal)
+    remembered = select(no_reversal, layer.turns, remembered)
+    remaining = select(no_reversal, layer.turns, remaining)
+    is_outer = reverses & (remembered == 1.0)
+    # Z_P is |Z| at the outermost turning point; an outer reversal becomes that point.
+    amplitude = select(remaining == 0.0, 0.0, select(is_outer, abs(layer.z), layer.amplitude))
+    # The newest point comes first: a reversal moves the others by one place.
     for k in range(DEPTH + 1):
-        if all_lanes(known <= k):
+        if all_lanes(remembered <= k):
             break
-        turns[k].d = select(back, layer.d if k == 0 else past[k - 1].d, past[k].d)
-        turns[k].z = select(back, layer.z if k == 0 else past[k - 1].z, past[k].z)
-    drop = known > left
+        turns[k].d = select(reverses, layer.d if k == 0 else past[k - 1].d, past[k].d)
+        turns[k].z = select(reverses, layer.z if k == 0 else past[k - 1].z, past[k].z)
+    # Branches that ended in this step take their two points with them.
+    drop = remembered > remaining
     while any_lane(drop):
         for k in range(DEPTH):
             turns[k].d = select(drop, turns[k + 2].d, turns[k].d)
             turns[k].z = select(drop, turns[k + 2].z, turns[k].z)
-        known = select(drop, known - 2.0, known)
-        drop = known > left
-    full = left > DEPTH
+        remembered = select(drop, remembered - 2.0, remembered)
+        drop = remembered > remaining
+    full = remaining > DEPTH
     if any_lane(full):
         forget(turns, full, amplitude, d_y, rubber.unloading_curvature)
-    after.turns = select(full, left - 2.0, left)
+    after.turns = select(full, remaining - 2.0, remaining)
     after.amplitude = amplitude
 
 
@@ -436,8 +461,8 @@ remember = choice(_remember_on_line, _nothing_to_remember, at=4)
 def _leaves_branch(rubber: Rubber, old: State, j: int, d: float, by: float) -> bool:
     """Return whether a correction `by` of layer j at d passes a turning point."""
     sigma = direction(d - old.layers[j].d)
-    x, _, _, left, end = branch(old.layers[j], old.turns[j], d, sigma)
-    ends = (left > 1.0) & (sigma * (d + by - end) >= 0.0)
+    x, _, _, remaining, end = branch(old.layers[j], old.turns[j], d, sigma)
+    ends = (remaining > 1.0) & (sigma * (d + by - end) >= 0.0)
     return ends | (sigma * (d + by - x) < 0.0)
 
 

@@ -62,6 +62,7 @@ def _late_factor(t_plus: float) -> float:
 @compiled_apart
 def half_space_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5: mean surface rise of a disc of constant flux, dimensionless."""
+    # Two series; lanes evaluate both only if they lie on both sides.
     early = t_plus < 0.6
     if all_lanes(early):
         return _early_factor(t_plus)
@@ -163,8 +164,10 @@ def core_force(
     trial = plus(before, scaled(dx, lead.stiffness))
     sign, size = direction(trial), norm(trial)
     fall = lead.softening
-    most = core_heat(lead, source, before, scaled(sign, lead.strength), dx)
-    lowered, _ = softened(lead, temperature, most)
+    # Without softening, even by the largest heat of the step, the strength is constant and needs no
+    # iteration.
+    largest_heat = core_heat(lead, source, before, scaled(sign, lead.strength), dx)
+    lowered, _ = softened(lead, temperature, largest_heat)
     if all_lanes((fall == 0.0) & (lowered == 0.0)):
         yields = size > lead.strength
         return (
@@ -176,21 +179,24 @@ def core_force(
             ),
         )
     cold = q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
+    # Elastic if the trial stays within the strength that its own heat leaves.
     lowered, _ = softened(lead, temperature, core_heat(lead, source, before, trial, dx))
     elastic = no(size > cold * math.exp(-lowered))
     if all_lanes(elastic):
         return trial, isotropic(dx, lead.stiffness)
+    # Newton on q = Q(T + heat(q)/capacity). With dissipation as the source, the energy stored at q
+    # is no heat.
     plastic = 1.0 if source == HEAT_FROM_DISSIPATION else 0.0
-    done = elastic
+    converged = elastic
     for _ in range(STRENGTH_ITERATIONS):
         heat = core_heat(lead, source, before, scaled(sign, q), dx)
         lowered, per = softened(lead, temperature, heat)
         heated = cold * math.exp(-lowered)
         heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
         correction = (q - heated) / (1.0 + per * heated * heat_by_q)
-        q = select(done, q, q - correction)
-        done = done | no(abs(correction) > STRENGTH_TOLERANCE * cold)
-        if all_lanes(done):
+        q = select(converged, q, q - correction)
+        converged = converged | no(abs(correction) > STRENGTH_TOLERANCE * cold)
+        if all_lanes(converged):
             break
     heat_by_q = dot(scaled(sign, 0.5), dx) - plastic * q / lead.stiffness
     _, per = softened(lead, temperature, core_heat(lead, source, before, scaled(sign, q), dx))
@@ -221,11 +227,11 @@ def _run_clock(lead: Lead, old: Branches, dx: Vector, dt: float, new: Branches) 
 def phi(z: float) -> tuple[float, float]:
     """(1 - e^-z)/z and (1 - that)/z, also for small z."""
     small = z < SMALL_EXPONENT
-    series, more = 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
+    first_series, second_series = 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
     if all_lanes(small):
-        return series, more
+        return first_series, second_series
     first = -math.expm1(-z) / z
-    return select(small, series, first), select(small, more, (1.0 - first) / z)
+    return select(small, first_series, first), select(small, second_series, (1.0 - first) / z)
 
 
 @compiled
@@ -248,6 +254,7 @@ def exchange(
     lead, touching = constants.lead, constants.lead_cells
     capacities, temperature = constants.cells.capacity, state.temperature
     lead_temperature = state.branches[0].lead_temperature
+    # The cells that touch lead count as one body, at their mean by conductance.
     conductance = 0.0
     towards = 0.0
     touched = 0.0
@@ -261,11 +268,14 @@ def exchange(
     if all_lanes(conductance == 0.0):
         return lead_temperature + heat / capacity
     mean = towards / conductance
+    # Mean over the step of an excess that decays from its start, and of that which steady heating
+    # builds up.
     decay, heating = phi(dt * conductance * (1.0 / capacity + 1.0 / touched))
     passed = dt * conductance * ((lead_temperature - mean) * decay + heat / capacity * heating)
     for k in range(len(touching)):
         i = touching[k].cell
         g = touching[k].end * ends + touching[k].side * sides
+        # Cells at unequal temperatures also exchange heat through the lead, whose sum is zero.
         gained = g * dt * (mean - temperature[i]) + passed * g / conductance
         work.cells.change[i] += gained / capacities[i]
     return lead_temperature + (heat - passed) / capacity
@@ -328,6 +338,7 @@ def lead_step(
     start = _run_clock(lead, old, dx, dt, after)
     end = start + dt * lead.clock_rate
     ends = end_factor(start, end)
+    # Confined cores have no contact at their sides.
     sides = 0.0
     if any_lane(lead.side_conductance != 0.0):
         sides = side_factor(start, end)

@@ -42,21 +42,23 @@ def factor_ports(constants: Constants, work: Workspace, dt: float) -> None:
     lead, lead_cells, lead_modes = constants.lead, constants.lead_cells, constants.lead_modes
     excess = work.lead_ports.conductance
     excess[:] = 0.0
+    # Excess of the lead over each port by unit flows through each: of the terms, then of the cells
+    # that the flow warms. Its inverse gives flows by excess.
     for k in range(len(lead_modes)):
         work.lead_modes[k].kept = math.exp(-dt / lead_modes[k].relaxation)
         gain = -math.expm1(-dt / lead_modes[k].relaxation) * lead_modes[k].resistance
         work.lead_modes[k].gain = gain
-        p, weight = lead_modes[k].port, lead_modes[k].weight
-        other, there = lead_modes[k].other, lead_modes[k].other_weight
-        excess[p, p] += weight * weight * gain
-        excess[p, other] += weight * there * gain
-        excess[other, p] += weight * there * gain
-        excess[other, other] += there * there * gain
+        first, first_weight = lead_modes[k].port, lead_modes[k].weight
+        second, second_weight = lead_modes[k].second_port, lead_modes[k].second_weight
+        excess[first, first] += first_weight * first_weight * gain
+        excess[first, second] += first_weight * second_weight * gain
+        excess[second, first] += first_weight * second_weight * gain
+        excess[second, second] += second_weight * second_weight * gain
     if constants.lead_ports > 0:
         for e in range(len(lead_cells)):
-            p, share = lead_cells[e].port, lead_cells[e].share
+            first, share = lead_cells[e].port, lead_cells[e].share
             capacity = constants.cells.capacity[lead_cells[e].cell]
-            excess[p, p] += dt * lead.fold * lead.cores * share * share / capacity
+            excess[first, first] += dt * lead.fold * lead.cores * share * share / capacity
     _invert(excess)
 
 
@@ -76,17 +78,19 @@ def exchange_at_ends(
     base[:] = 0.0
     for e in range(len(lead_cells)):
         base[lead_cells[e].port] += lead_cells[e].share * state.temperature[lead_cells[e].cell]
+    # What the terms are at the end of the step without any flow.
     for k in range(len(lead_modes)):
         y = work.lead_modes[k].kept * state.ends[k]
         new.ends[k] = y
         base[lead_modes[k].port] += lead_modes[k].weight * y
-        base[lead_modes[k].other] += lead_modes[k].other_weight * y
+        base[lead_modes[k].second_port] += lead_modes[k].second_weight * y
     ease = 0.0
     towards = 0.0
     for p in range(len(base)):
         for i in range(len(base)):
             ease += conductance[p, i]
             towards += conductance[p, i] * base[i]
+    # Balance of the lead: t = warmed - share sum G (t - base).
     warmed = state.branches[0].lead_temperature + heat / (lead.cores * lead.capacity)
     share = dt * lead.fold / lead.capacity  # of one flow, in the temperature of the lead
     t = (warmed + share * towards) / (1.0 + share * ease)
@@ -96,7 +100,7 @@ def exchange_at_ends(
             flow[p] += conductance[p, i] * (t - base[i])
     for k in range(len(lead_modes)):
         q = lead_modes[k].weight * flow[lead_modes[k].port]
-        q += lead_modes[k].other_weight * flow[lead_modes[k].other]
+        q += lead_modes[k].second_weight * flow[lead_modes[k].second_port]
         new.ends[k] += work.lead_modes[k].gain * q
     all_cores = dt * lead.fold * lead.cores
     for e in range(len(lead_cells)):
@@ -128,5 +132,5 @@ def longest_rest_step(constants: Constants) -> float:
     for k in range(len(constants.lead_modes)):
         mode = constants.lead_modes[k]
         resistance += mode.weight**2 * mode.resistance if mode.port < 2 else 0.0
-        resistance += mode.other_weight**2 * mode.resistance if mode.other < 2 else 0.0
+        resistance += mode.second_weight**2 * mode.resistance if mode.second_port < 2 else 0.0
     return resistance / per_step / STEPS_OF_LEAD

@@ -79,33 +79,35 @@ def march(
     steps done, rows written, outcome of the last step, number of softened steps, largest
     mismatch of layer forces [kN].
     """
-    kept = 0
+    row = 0
     softened = 0
     mismatch = 0.0
     start = state
-    outcome, broken = COMPLETED, COMPLETED
-    done = 0
+    outcome, failure = COMPLETED, COMPLETED
+    steps = 0
     for i in range(len(path.x)):
         ambient = path.ambient[i]
         _, _, outcome = step(constants, work, start, path.x[i], path.dt[i], ambient, spare)
-        broken = select((broken == COMPLETED) & has_failed(outcome), outcome, broken)
-        if all_lanes(broken != COMPLETED):
+        failure = select((failure == COMPLETED) & has_failed(outcome), outcome, failure)
+        if all_lanes(failure != COMPLETED):
             break
+        # The two states take turns, so that no step copies one.
         start, spare = spare, start
-        done += 1
+        steps += 1
         softened += select(outcome == SOFTENED, 1, 0)
         mismatch = max(mismatch, start.books[0].layer_force_mismatch)
         settle = all_lanes(path.settled > 0.0) and all_lanes(
             _farthest_from(start.temperature, ambient) <= path.settled
         )
         if path.keep[i] or settle:
-            keep_row(constants, start, rows, kept)
-            kept += 1
+            keep_row(constants, start, rows, row)
+            row += 1
         if settle:
             break
-    if done % 2 == 1:
+    # After an odd number of steps the last good state is in the spare of the caller.
+    if steps % 2 == 1:
         copy_state(start, spare)
-    return done, kept, select(broken != COMPLETED, broken, outcome), softened, mismatch
+    return steps, row, select(failure != COMPLETED, failure, outcome), softened, mismatch
 
 
 @compiled
@@ -123,6 +125,7 @@ def is_possible(
     are in degC. Where the balance is not `balanced`, only temperatures are checked.
     """
     for i in range(len(temperature)):
+        # Not `<` or `>`, which NaN would pass.
         if not (temperature[i] >= coldest and temperature[i] <= hottest):
             return False
     if not balanced:
@@ -130,11 +133,11 @@ def is_possible(
     last = books[0]
     work, released = last.work_in, last.heat_released
     recoverable = last.recoverable - recoverable_before
-    lost = last.heat_lost_ends + last.heat_lost_sides
-    largest = max(abs(work), abs(recoverable), abs(released), abs(last.heat_stored), abs(lost))
+    heat_lost = last.heat_lost_ends + last.heat_lost_sides
+    largest = max(abs(work), abs(recoverable), abs(released), abs(last.heat_stored), abs(heat_lost))
     scale = MISSING * max(LEAST, largest)
     unbalanced = abs(work - released - recoverable)
-    return unbalanced <= scale and abs(released - last.heat_stored - lost) <= scale
+    return unbalanced <= scale and abs(released - last.heat_stored - heat_lost) <= scale
 
 
 @compiled
@@ -144,11 +147,11 @@ def hours_at_rest(
     late: Floats,
     air: Floats,
     places: Ints,
-    now: Floats,
+    temperature: Floats,
     after: Floats,
-    found: Floats,
+    requested: Floats,
 ) -> None:
-    """Compute hourly temperatures: after = kept @ now + early * air + late * air an hour later.
+    """Compute hourly temperatures: after an hour, kept @ temperature + early * air + late * air.
 
     Parameters
     ----------
@@ -156,20 +159,20 @@ def hours_at_rest(
     early, late : [n] what the air at the two ends of the hour gives.
     air : at full hours [degC].
     places : requested hours, increasing.
-    now : [n] temperatures at hour 0 [degC]; overwritten, as `after`, which is scratch.
-    found : [requested, n] the temperatures found.
+    temperature : [n] at hour 0 [degC]; overwritten, as `after`, which is scratch.
+    requested : [places, n] temperatures at these hours [degC].
     """
-    here = 0
+    hour = 0
     for row in range(len(places)):
-        while here < places[row]:
-            for i in range(len(now)):
-                after[i] = early[i] * air[here] + late[i] * air[here + 1]
-            for j in range(len(now)):
-                part = now[j]
-                for i in range(len(now)):
+        while hour < places[row]:
+            for i in range(len(temperature)):
+                after[i] = early[i] * air[hour] + late[i] * air[hour + 1]
+            for j in range(len(temperature)):
+                part = temperature[j]
+                for i in range(len(temperature)):
                     after[i] += kept[j, i] * part
-            for i in range(len(now)):
-                now[i] = after[i]
-            here += 1
-        for i in range(len(now)):
-            found[row, i] = now[i]
+            for i in range(len(temperature)):
+                temperature[i] = after[i]
+            hour += 1
+        for i in range(len(temperature)):
+            requested[row, i] = temperature[i]

@@ -107,6 +107,7 @@ def lay_cells(heights: Heights, cells: StackCells) -> tuple[int, int]:
         thickness, count = _part_size(heights, part)
         after = _part_at(heights, place + 1)
         halved = heights.half and after < 0
+        # The symmetry plane cuts the last part: half of it, in half of its cells, rounded up.
         if halved:
             thickness, count = 0.5 * thickness, (count + 1) // 2
         if at + count <= len(cells.part):
@@ -178,6 +179,7 @@ def fill_cells(
         heat.area[i] = fill.area if outside else fill.area - fill.lead_area
         capacity[i] = fill.fold * volumetric * heat.area[i] * heat.thickness[i]
         beside.height[i] = 0.0 if outside else fill.fold * heat.thickness[i]
+        # Only the cell of an end plate that lies against the inner parts touches the lead.
         above, below = part[max(i - 1, 0)], part[min(i + 1, last)]
         inner_above = above != END_PLATE and above != MASS
         inner_below = below != END_PLATE and below != MASS
@@ -201,6 +203,7 @@ def face_conductance(eta: float, film: float, conductivity: float, thickness: fl
     """
     if eta > 0.0:
         return (eta - 1.0) * conductivity / thickness
+    # Film and half a cell in series.
     return film / (1.0 + 0.5 * film * thickness / conductivity)
 
 
@@ -208,6 +211,8 @@ def face_conductance(eta: float, film: float, conductivity: float, thickness: fl
 def film_at_face(eta: float, film: float, conductivity: float, thickness: float) -> float:
     """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
     to_middle = face_conductance(eta, film, conductivity, thickness)
+    # The conductance to the middle less half the cell; an `eta` of 3 leaves no resistance at the
+    # face.
     beyond = 1.0 - 0.5 * to_middle * thickness / conductivity
     return to_middle / beyond if beyond > FACE_HELD else math.inf
 
@@ -229,15 +234,17 @@ def conserve_heat(
             rates.end_loss[i] += upper * heat.area[i] / capacity
         if i == last:
             rates.end_loss[i] += lower * heat.area[i] / capacity
-        here = 0.5 * heat.thickness[i] / heat.conductivity[i]
+        # Halves of two cells in series, over the smaller of their areas, which is that without
+        # lead.
+        resistance = 0.5 * heat.thickness[i] / heat.conductivity[i]
         if i > 0:
-            there = 0.5 * heat.thickness[i - 1] / heat.conductivity[i - 1]
+            neighbour = 0.5 * heat.thickness[i - 1] / heat.conductivity[i - 1]
             area = min(heat.area[i - 1], heat.area[i])
-            rates.to_previous[i] = area / (there + here) / capacity
+            rates.to_previous[i] = area / (neighbour + resistance) / capacity
         if i < last:
-            there = 0.5 * heat.thickness[i + 1] / heat.conductivity[i + 1]
+            neighbour = 0.5 * heat.thickness[i + 1] / heat.conductivity[i + 1]
             area = min(heat.area[i], heat.area[i + 1])
-            rates.to_next[i] = area / (here + there) / capacity
+            rates.to_next[i] = area / (resistance + neighbour) / capacity
 
 
 class LayerLaw(NamedTuple):

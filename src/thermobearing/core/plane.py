@@ -32,8 +32,8 @@ def step_plane(
     Returns the two components of the force [kN], the tangent [kN/mm] by rows, and the outcome.
     """
     at: Any = (x, y)
-    found: Any = step(constants, as_plane(work), as_plane(state), at, dt, ambient, as_plane(new))
-    force, ((xx, xy), (yx, yy)), outcome = found
+    result: Any = step(constants, as_plane(work), as_plane(state), at, dt, ambient, as_plane(new))
+    force, ((xx, xy), (yx, yy)), outcome = result
     return force[0], force[1], xx, xy, yx, yy, outcome
 
 
@@ -73,4 +73,4 @@ def line_only_options(constants: Constants) -> list[str]:
             rubber.law != 0 and rubber.law_in_plane == 0
         ),
     }
-    return [name for name, found in chosen.items() if found]
+    return [name for name, is_chosen in chosen.items() if is_chosen]

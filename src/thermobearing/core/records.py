@@ -50,8 +50,8 @@ class PlaneRow(np.record):  # type: ignore[misc]  # numpy types it as final
 
     def __getattribute__(self, name: str) -> Any:
         """Return a number, or the numbers of a vector."""
-        found = super().__getattribute__(name)
-        return tuple(found.tolist()) if type(found) is np.ndarray else found
+        value = super().__getattribute__(name)
+        return tuple(value.tolist()) if type(value) is np.ndarray else value
 
 
 class Label(NamedTuple):
@@ -76,9 +76,9 @@ def row_type(record: Any, components: int = 1) -> np.dtype[Any]:
     With two components each vector is a field of that shape.
     """
     hints = get_type_hints(record)
-    wide = vector_fields(record) if components > 1 else {}
-    fields = [(name, KINDS[kind], wide.get(name, ())) for name, kind in hints.items()]
-    return np.dtype((PlaneRow if wide else np.record, np.dtype(fields, align=True)))
+    vector_shapes = vector_fields(record) if components > 1 else {}
+    fields = [(name, KINDS[kind], vector_shapes.get(name, ())) for name, kind in hints.items()]
+    return np.dtype((PlaneRow if vector_shapes else np.record, np.dtype(fields, align=True)))
 
 
 def rows(record: type[R], *shape: int, components: int = 1) -> Rows[R]:

@@ -144,6 +144,8 @@ def search(
     low, high, a = 0.0, 1.0, 1.0
     for _ in range(LINE_SEARCH):
         slope = _line_slope(rubber, multiplicity, old, work, mean, w, a)
+        # Half of the slope is enough, and so is the full step where it stays before the minimum.
+        # `no(... > ...)` lets NaN end the loop.
         enough = no(abs(slope) > 0.5 * start) | ((slope <= 0.0) & (a == 1.0))
         if all_lanes(enough):
             break
@@ -183,6 +185,8 @@ def _common_force(
 ) -> tuple[Vector, Matrix, float]:
     """Newton's common force, its tangent at fixed w, and how far the layer forces are apart."""
     mean = over(x, rubber.layer_count)
+    # Newton's d_j + C_j (F - f_j), with C_j the inverse of the tangent, and sum m_j d_j = x give F
+    # = gap/compliance.
     compliance = by_mean = no_slope(x)
     gap = x
     for j in range(len(work.trial)):
@@ -196,13 +200,14 @@ def _common_force(
         by_strain = _by_mean_strain(rubber, per, work.hysteretic[j], new[j].z, s, w)
         by_mean = plus(by_mean, by_strain)
     force = solve(compliance, gap)
-    apart = 0.0
+    mismatch = 0.0
     for j in range(len(work.trial)):
         difference = minus(force, work.force[j])
-        apart = max(apart, norm(difference))
+        mismatch = max(mismatch, norm(difference))
         work.direction[j] = times(work.flexibility[j], difference)
+    # For w > 0 the forces depend on x also by the mean strain x/N.
     by_x = plus(isotropic(x, 1.0), over(by_mean, rubber.layer_count))
-    return force, divide(compliance, by_x), apart
+    return force, divide(compliance, by_x), mismatch
 
 
 @compiled_apart
@@ -217,25 +222,26 @@ def _force_by_weight(
         compliance = plus(compliance, flexibility)
         s = hardening_strain(work.trial[j], mean, w)
         by_s = outer(new[j].z, scaled(scaled(s, 2.0 * rubber.hardening), work.hysteretic[j]))
-        more = times(product(flexibility, by_s), minus(mean, work.trial[j]))
-        by_w = plus(by_w, more)
+        # s = (1 - w) d + w x/N, so that ds/dw = x/N - d.
+        by_weight = times(product(flexibility, by_s), minus(mean, work.trial[j]))
+        by_w = plus(by_w, by_weight)
     return solve(compliance, by_w)
 
 
 @compiled
-def _kinks(rubber: Rubber, old: State, work: LayerWork) -> bool:
+def _crosses_jump(rubber: Rubber, old: State, work: LayerWork) -> bool:
     """Return whether the Newton correction takes a layer across a jump of dZ/dd.
 
     It does where the increment turns round, and where an inner branch ends.
     """
-    found = False
+    crosses = False
     for j in range(len(work.trial)):
         moved, by = minus(work.trial[j], old.layers[j].d), work.direction[j]
         jumps = norm(moved) + dot(direction(moved), by) < 0.0
         if rubber.closed_loops:
             jumps = jumps | leaves_branch(rubber, old, j, work.trial[j], by)
-        found = found | (jumps & (norm(by) > NO_MOTION * rubber.yield_displacement))
-    return found
+        crosses = crosses | (jumps & (norm(by) > NO_MOTION * rubber.yield_displacement))
+    return crosses
 
 
 @compiled
@@ -264,26 +270,29 @@ def newton(
     """
     mean = over(x, rubber.layer_count)
     stiffness = rubber.elastic_stiffness + rubber.hysteretic_stiffness
+    # The tolerance is relative to the force, and near zero force to that at d_y.
     floor = stiffness * rubber.yield_displacement
-    force, tangent, done = zero(x), no_slope(x), False
+    force, tangent, converged = zero(x), no_slope(x), False
     for iteration in range(ALL_NEWTON):
-        force, tangent, apart = _common_force(rubber, multiplicity, work, new, x, w)
-        lost = no(math.isfinite(total(force) + apart))
-        done = apart <= LAST_CORRECTION * (norm(force) + floor)
-        if any_lane(done):
-            done = done & no(_kinks(rubber, old, work))
-        if all_lanes(done | lost):
+        force, tangent, mismatch = _common_force(rubber, multiplicity, work, new, x, w)
+        not_finite = no(math.isfinite(total(force) + mismatch))
+        converged = mismatch <= LAST_CORRECTION * (norm(force) + floor)
+        if any_lane(converged):
+            # The last correction is only good where dZ/dd does not jump on its way.
+            converged = converged & no(_crosses_jump(rubber, old, work))
+        if all_lanes(converged | not_finite):
             correct(work, new)
-            return force, tangent, smallest, select(lost, NOT_FINITE, COMPLETED)
+            return force, tangent, smallest, select(not_finite, NOT_FINITE, COMPLETED)
         a = 1.0
         if iteration >= PLAIN_NEWTON:
             a = search(rubber, multiplicity, old, work, mean, w)
         for j in range(len(new)):
+            # In lockstep, runs that have converged stay where they are.
             ahead = plus(work.trial[j], scaled(work.direction[j], a))
-            work.trial[j] = pick(done, work.trial[j], ahead)
+            work.trial[j] = pick(converged, work.trial[j], ahead)
         smallest = evaluate(rubber, old, work, mean, w, new)
     correct(work, new)
-    return force, tangent, smallest, select(done, COMPLETED, NOT_CONVERGED)
+    return force, tangent, smallest, select(converged, COMPLETED, NOT_CONVERGED)
 
 
 @compiled
@@ -339,7 +348,7 @@ def _first_trial(
 
 
 @compiled
-def solved(
+def solve_sharing(
     rubber: Rubber,
     multiplicity: Floats,
     old: State,
@@ -391,22 +400,28 @@ def share(
     step = over(minus(x, x_old), rubber.layer_count)
     w, rate = weight(rubber, old, work, step)
     force, tangent, outcome = zero(x), no_slope(x), NOT_CONVERGED
+    # At most twice: with w by the tangents of equal increments, and with w = 1.
     for _ in range(2):
-        force, tangent, smallest, outcome = solved(rubber, multiplicity, old, work, x, step, w, new)
+        force, tangent, smallest, outcome = solve_sharing(
+            rubber, multiplicity, old, work, x, step, w, new
+        )
         good = (w == 1.0) | ((outcome == COMPLETED) & (smallest > 0.0))
         if all_lanes(good):
             break
         # Layers so unlike that equal increments say nothing: always unique.
         w, rate = select(good, w, 1.0), pick(good, rate, zero(x))
     if any_lane(norm(rate) != 0.0):
+        # w depends on x too: dF/dx has the part dF/dw dw/dx.
         by_w = _force_by_weight(rubber, multiplicity, work, new, x, w)
         tangent = plus(tangent, over(outer(by_w, rate), rubber.layer_count))
     if all_lanes(outcome != COMPLETED):
         return force, tangent, 0.0, w, outcome
-    lost = False
+    diverged = False
     for j in range(len(new)):
         new[j].d = work.trial[j]
-        lost = lost | (norm(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
-    outcome = select((outcome == COMPLETED) & lost, EULER_UNSTABLE, outcome)
+        # Exact integration keeps |Z| within d_y; explicit Euler may run away where its steps are
+        # long.
+        diverged = diverged | (norm(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
+    outcome = select((outcome == COMPLETED) & diverged, EULER_UNSTABLE, outcome)
     outcome = select((outcome == COMPLETED) & (w > 0.0), SOFTENED, outcome)
     return force, tangent, _largest_mismatch(rubber, work, new, force), w, outcome

@@ -51,7 +51,6 @@ from thermobearing.core.vector import (
     total,
     zero,
 )
-from thermobearing.core.viscous import maxwell
 
 
 @compiled
@@ -66,39 +65,58 @@ def layer_temperature(layer_cells: Rows[LayerCells], temperature: Floats, j: int
 def runs_away(constants: Constants, state: State) -> bool:
     """Return whether a rubber layer is colder than possible or decomposes."""
     limits = constants.limits
-    away = layer_temperature(constants.layer_cells, state.temperature, 0) < limits.coldest
+    outside = layer_temperature(constants.layer_cells, state.temperature, 0) < limits.coldest
     for j in range(len(constants.layer_cells)):
         t = layer_temperature(constants.layer_cells, state.temperature, j)
-        away = away | (t < limits.coldest) | (t > limits.rubber)
-    return away
+        outside = outside | (t < limits.coldest) | (t > limits.rubber)
+    return outside
 
 
 @compiled
-def of_piece(p: LawPiece, temperature: float) -> tuple[float, float]:
+def of_piece(p: LawPiece, temperature: float) -> tuple[float, float, float]:
     """`tabled` by one piece of the table."""
     t = temperature - p.origin
     elastic = p.elastic_0 + t * (p.elastic_1 + t * (p.elastic_2 + t * p.elastic_3))
     hysteretic = p.hysteretic_0 + t * (p.hysteretic_1 + t * (p.hysteretic_2 + t * p.hysteretic_3))
-    return elastic, hysteretic
+    viscous = p.viscous_0 + t * (p.viscous_1 + t * (p.viscous_2 + t * p.viscous_3))
+    return elastic, hysteretic, viscous
 
 
 @compiled_apart
-def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
-    """Logarithms of the factors of the temperature table on the two stiffness terms."""
+def tabled(law: Rows[LawPiece], temperature: float) -> tuple[float, float, float]:
+    """Logarithms of the factors of the table on the two stiffness terms and on the viscosity."""
+    # One piece serves all runs up to the coldest of them; beyond it each run takes its own.
     k = 0
     while k + 1 < len(law) and all_lanes(temperature >= law[k + 1].lowest):
         k += 1
-    elastic, hysteretic = of_piece(law[k], temperature)
+    elastic, hysteretic, viscous = of_piece(law[k], temperature)
     while k + 1 < len(law) and any_lane(temperature >= law[k + 1].lowest):
         k += 1
         warmer = temperature >= law[k].lowest
-        more = of_piece(law[k], temperature)
-        elastic, hysteretic = select(warmer, more[0], elastic), select(warmer, more[1], hysteretic)
-    return elastic, hysteretic
+        warmer_piece = of_piece(law[k], temperature)
+        elastic = select(warmer, warmer_piece[0], elastic)
+        hysteretic = select(warmer, warmer_piece[1], hysteretic)
+        viscous = select(warmer, warmer_piece[2], viscous)
+    return elastic, hysteretic, viscous
 
 
 @compiled
-def _set_stiffness(
+def stiffness_at(rubber: Rubber, law: Rows[LawPiece], temperature: float) -> tuple[float, float]:
+    """Return the two stiffness terms of Eq. 4.34 of a layer at a temperature [kN/mm]."""
+    elastic = rubber.elastic_exponent * (temperature - rubber.reference_temperature)
+    hysteretic = rubber.hysteretic_exponent * (temperature - rubber.reference_temperature)
+    if len(law) > 0:
+        exponents = tabled(law, temperature)
+        elastic += exponents[0]
+        hysteretic += exponents[1]
+    return (
+        rubber.elastic_stiffness * math.exp(elastic),
+        rubber.hysteretic_stiffness * math.exp(hysteretic),
+    )
+
+
+@compiled
+def set_stiffness(
     rubber: Rubber,
     law: Rows[LawPiece],
     layer_cells: Rows[LayerCells],
@@ -108,14 +126,7 @@ def _set_stiffness(
     """The two stiffness terms of Eq. 4.34 at each layer's temperature."""
     for j in range(len(work.trial)):
         t = layer_temperature(layer_cells, temperature, j)
-        elastic = rubber.elastic_exponent * (t - rubber.reference_temperature)
-        hysteretic = rubber.hysteretic_exponent * (t - rubber.reference_temperature)
-        if len(law) > 0:
-            more = tabled(law, t)
-            elastic += more[0]
-            hysteretic += more[1]
-        work.elastic[j] = rubber.elastic_stiffness * math.exp(elastic)
-        work.hysteretic[j] = rubber.hysteretic_stiffness * math.exp(hysteretic)
+        work.elastic[j], work.hysteretic[j] = stiffness_at(rubber, law, t)
 
 
 @compiled
@@ -164,6 +175,40 @@ def _add_layer_heat(
 
 
 @compiled
+def maxwell(
+    stiffness: float, relaxation: float, force: Vector, dx: Vector, dt: float
+) -> tuple[Vector, float]:
+    """Force [kN] and tangent [kN/mm], the same in all directions, after dx [mm] in dt [s].
+
+    Of a dashpot and a spring in series, parallel to the rubber (Eq. 5.38-5.39),
+
+        f_v' + f_v / tau = K_v x',   tau = c_v / K_v,
+
+    exact for a displacement that changes linearly over the step. `stiffness` is
+    K_v [kN/mm], `relaxation` tau = c_v/K_v [s].
+    """
+    decay = math.exp(-dt / relaxation)
+    tangent = -math.expm1(-dt / relaxation) * stiffness * relaxation / dt
+    return plus(scaled(force, decay), scaled(dx, tangent)), tangent
+
+
+@compiled
+def _relaxation(constants: Constants, state: State) -> float:
+    """Relaxation time of the viscous branch [s] at the temperatures of the layers.
+
+    The dashpots of the layers are in series and carry one force, so their fluidities add up.
+    """
+    relaxation = constants.viscous.relaxation
+    if len(constants.law) == 0:
+        return relaxation
+    fluidity = 0.0
+    for j in range(len(constants.layer_cells)):
+        t = layer_temperature(constants.layer_cells, state.temperature, j)
+        fluidity += constants.multiplicity[j] * math.exp(-tabled(constants.law, t)[2])
+    return relaxation * (constants.rubber.layer_count / fluidity)
+
+
+@compiled
 def _beside_rubber(
     constants: Constants, state: State, new: State, x: Vector, dt: float
 ) -> tuple[Vector, Vector, Matrix, float]:
@@ -186,10 +231,12 @@ def _beside_rubber(
         tangent = plus(tangent, scaled(by_core, lead.cores))
         stored += dot(scaled(core, 0.5 * lead.cores), core) / lead.stiffness
     if any_lane(viscous.stiffness > 0.0):
-        f, slope = maxwell(viscous.stiffness, viscous.relaxation, old.maxwell_force, dx, dt)
+        relaxation = _relaxation(constants, state)
+        f, slope = maxwell(viscous.stiffness, relaxation, old.maxwell_force, dx, dt)
         after.maxwell_force = f
         tangent = plus(tangent, isotropic(dx, slope))
         stored += dot(scaled(f, 0.5), f) / viscous.stiffness
+    # If all work becomes heat at once, nothing is left to be recovered.
     if constants.heat_source != HEAT_FROM_DISSIPATION:
         stored = 0.0
     return lead_force, after.maxwell_force, tangent, stored
@@ -222,6 +269,7 @@ def heat_step(
     """Heat of the step into rubber and lead, conduction, and the heat balance."""
     cells, old, books = constants.cells, state.books[0], new.books[0]
     dx = minus(x, old.displacement)
+    # The matrices depend on dt only.
     if any_lane(work.factored_dt[0] != dt):
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_ports(constants, work, dt)
@@ -238,6 +286,7 @@ def heat_step(
         over(x, constants.rubber.layer_count),
         books.sharing_weight,
     )
+    # Lead before conduction: what the cores pass to the plates is a source of the cells.
     lead_stored = 0.0
     if any_lane(constants.lead.cores > 0.0):
         released += lead_step(constants, work, state, new, dx, dt, ambient)
@@ -248,6 +297,7 @@ def heat_step(
         cells, constants.side_implicit, state.temperature, dt, ambient, work.cells, new.temperature
     )
     books.heat_released = old.heat_released + released
+    # `move` has written the share of lead and dashpot.
     books.recoverable += recoverable
     books.heat_lost_ends = old.heat_lost_ends + ends
     books.heat_lost_sides = old.heat_lost_sides + sides
@@ -259,7 +309,7 @@ def heat_step(
 def begin(constants: Constants, work: Workspace, state: State) -> None:
     """Stiffness of every layer for a step from `state`, into `work`."""
     rubber = constants.rubber
-    _set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
+    set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
     if rubber.virgin:
         stiffen(rubber, state.layers, work.layers)
 
@@ -319,14 +369,16 @@ def settle(
             remember(constants.rubber, state, new, j, moved)
     x, force = books.displacement, books.force
     books.clock = old.clock + dt
+    # Trapezoidal, as the heat of the layers: all carry one force, so that sum F dd_j = F dx and the
+    # balance closes to rounding.
     mean_force, dx = scaled(plus(old.force, force), 0.5), minus(x, old.displacement)
     books.work_in = old.work_in + dot(mean_force, dx)
     heat_step(constants, work, state, x, dt, ambient, new)
-    lost = no(math.isfinite(books.heat_lost_sides + books.heat_released))
-    away = runs_away(constants, new)
+    not_finite = no(math.isfinite(books.heat_lost_sides + books.heat_released))
+    outside = runs_away(constants, new)
     melts = new.branches[0].lead_temperature > constants.limits.lead
-    ended = select(away, TEMPERATURE_RUNAWAY, select(melts, LEAD_MELTED, COMPLETED))
-    return select(lost, NOT_FINITE, ended)
+    ended = select(outside, TEMPERATURE_RUNAWAY, select(melts, LEAD_MELTED, COMPLETED))
+    return select(not_finite, NOT_FINITE, ended)
 
 
 @compiled

@@ -86,12 +86,12 @@ class Mode:
     relaxation: float  # tau [s]
     port: int
     weight: float  # of the term there
-    other: int  # a second port, or the same with a weight of zero
-    other_weight: float
+    second_port: int  # another one, or the same with a weight of zero
+    second_weight: float
 
 
 class LawPiece:
-    """A piece of the temperature table: cubics in T - origin for the logarithms of two factors."""
+    """A piece of the temperature table: cubics in T - origin for the logarithms of its factors."""
 
     lowest: float  # where the piece begins [degC]
     origin: float  # [degC]
@@ -103,6 +103,10 @@ class LawPiece:
     hysteretic_1: float
     hysteretic_2: float
     hysteretic_3: float
+    viscous_0: float  # on c_v
+    viscous_1: float
+    viscous_2: float
+    viscous_3: float
 
 
 class Layer:
@@ -160,6 +164,26 @@ class Books(RubberBooks):
     lead_force: Annotated[Vector, "kN", "share of the lead cores in the force"]
     viscous_force: Annotated[Vector, "kN", "share of the rate-dependent branch in the force"]
     lead_temperature: Annotated[float, "degC", "temperature of the lead cores"]
+
+
+class AxialBooks:
+    """What an axial force does to a bearing; energies since the start."""
+
+    axial_force: Annotated[float, "kN", "axial force, positive in compression"]
+    critical_load: Annotated[float, "kN", "critical load at the present displacement"]
+    cavitation_force: Annotated[float, "kN", "tension at which the rubber cavitates"]
+    vertical_stiffness: Annotated[float, "kN/mm", "vertical stiffness at the present displacement"]
+    shortening: Annotated[float, "mm", "vertical shortening"]
+    stiffness_reduction: Annotated[float, "kN/mm", "shear stiffness taken by the axial force"]
+    lent: Annotated[float, "kN mm", "work that the axial force gives to the shear"]
+    axial_work: Annotated[float, "kN mm", "work of the axial force on the shortening"]
+    axial_stored: Annotated[float, "kN mm", "energy stored in compression"]
+    axial_mismatch: Annotated[float, "kN mm", "energy without source, by the overlap in kappa"]
+    stiffness_reduction_y: Annotated[float, "kN/mm", "the same across"]
+    next_reduction: Annotated[float, "kN/mm", "shear stiffness taken in the next step"]
+    next_reduction_y: Annotated[float, "kN/mm", "the same across"]
+    next_potential: Annotated[float, "kN/mm", "the same without the overlap"]
+    next_potential_y: Annotated[float, "kN/mm", "the same across, without the overlap"]
 
 
 class LayerWork(NamedTuple):
@@ -252,7 +276,7 @@ class Viscous(NamedTuple):
     """The rate-dependent branch; scalars only."""
 
     stiffness: float  # K_v [kN/mm]; 0 for none
-    relaxation: float  # c_v / K_v [s]
+    relaxation: float  # c_v / K_v at the reference temperature [s]
     heats: bool  # whether its work warms the rubber
 
 
@@ -327,13 +351,13 @@ class Kept(NamedTuple):
 
     def part(self, first: int, end: int) -> "Kept":
         """The same rows from `first` to before `end`, not a copy."""
-        here = slice(first, end)
+        selection = slice(first, end)
         return Kept(
-            self.books[here],
-            self.rubber[here],
-            self.layer_displacement[here],
-            self.hysteretic[here],
-            self.cells[here],
+            self.books[selection],
+            self.rubber[selection],
+            self.layer_displacement[selection],
+            self.hysteretic[selection],
+            self.cells[selection],
         )
 
 
@@ -360,6 +384,7 @@ def new_state(
     state.layers["virgin"] = 1.0
     state.branches["idle"] = NEVER_MOVED
     if constants.lead.cores > 0.0:
+        # Mean of the cells that lie next to the lead, by the height of lead there.
         height = constants.cells.beside_lead
         mean = float(height @ temperature / height.sum())
         lead = mean if lead_temperature is None else lead_temperature
@@ -370,12 +395,12 @@ def new_state(
 def new_workspace(constants: Constants, components: int = 1) -> Workspace:
     """Scratch arrays for one run; never share them between threads."""
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
-    ports, wide = constants.lead_ports, vector_fields(LayerWork)
+    ports, vector_shapes = constants.lead_ports, vector_fields(LayerWork)
     return Workspace(
         factored_dt=np.zeros(1),
         layers=LayerWork(
             *(
-                np.zeros((layers, *(wide.get(name, ()) if components > 1 else ())))
+                np.zeros((layers, *(vector_shapes.get(name, ()) if components > 1 else ())))
                 for name in LayerWork._fields
             )
         ),

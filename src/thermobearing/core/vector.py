@@ -31,13 +31,13 @@ class Choice:
     def __init__(self, at: int, *versions: Any) -> None:
         self.at, self.versions = at, cast("tuple[Kernel, ...]", versions)
 
-    def __call__(self, *given: Any) -> Any:
+    def __call__(self, *arguments: Any) -> Any:
         """Run the version for the arguments."""
         rank = 0
-        one = given[self.at]
-        while not isinstance(one, (float, int)):
-            rank, one = rank + 1, one[0]
-        return self.versions[rank](*given)
+        argument = arguments[self.at]
+        while not isinstance(argument, (float, int)):
+            rank, argument = rank + 1, argument[0]
+        return self.versions[rank](*arguments)
 
 
 def choice(line: F, *plane: Any, at: int = 0) -> F:
@@ -141,8 +141,8 @@ def _total(a: float) -> float:
 
 @compiled
 def _total_pair(a: Pair) -> float:
-    found: float = a[0] + a[1]
-    return found
+    component_sum: float = a[0] + a[1]
+    return component_sum
 
 
 @compiled
@@ -154,6 +154,7 @@ def _direction(a: float) -> float:
 def _direction_pair(a: Pair) -> Pair:
     size = _norm_pair(a)
     rests = size == 0.0
+    # A zero vector points along x, as a zero on a line counts as positive; no run divides by zero.
     per = 1.0 / select(rests, 1.0, size)
     return select(rests, 1.0, a[0] * per), a[1] * per
 
@@ -190,8 +191,8 @@ def _dot(a: float, b: float) -> float:
 
 @compiled
 def _dot_pair(a: Pair, b: Pair) -> float:
-    found: float = a[0] * b[0] + a[1] * b[1]
-    return found
+    scalar_product: float = a[0] * b[0] + a[1] * b[1]
+    return scalar_product
 
 
 @compiled
@@ -200,14 +201,14 @@ def _each_times_pair(a: Pair, b: Pair) -> Pair:
 
 
 @compiled
-def _is_given(a: float) -> bool:
+def _is_nonzero(a: float) -> bool:
     return a != 0.0
 
 
 @compiled
-def _is_given_pair(a: Pair) -> bool:
-    found: bool = (a[0] != 0.0) | (a[1] != 0.0)
-    return found
+def _is_nonzero_pair(a: Pair) -> bool:
+    nonzero: bool = (a[0] != 0.0) | (a[1] != 0.0)
+    return nonzero
 
 
 @compiled
@@ -216,13 +217,13 @@ def _no_peak_pair(a: Pair) -> Triple:
 
 
 @compiled
-def _farther(seen: float, a: float) -> float:
-    return max(seen, abs(a))
+def _farther(largest: float, a: float) -> float:
+    return max(largest, abs(a))
 
 
 @compiled
-def _farther_pair(seen: Triple, a: Pair) -> Triple:
-    return _farther(seen[0], a[0]), _farther(seen[1], a[1]), max(seen[2], _norm_pair(a))
+def _farther_pair(largest: Triple, a: Pair) -> Triple:
+    return _farther(largest[0], a[0]), _farther(largest[1], a[1]), max(largest[2], _norm_pair(a))
 
 
 @compiled
@@ -282,6 +283,38 @@ def _divide_square(a: Square, b: Square) -> Square:
 
 
 @compiled
+def _along(a: float) -> float:
+    return a
+
+
+@compiled
+def _along_pair(a: Pair) -> float:
+    component: float = a[0]
+    return component
+
+
+@compiled
+def _across_pair(a: Pair) -> float:
+    component: float = a[1]
+    return component
+
+
+@compiled
+def _components(a: float, x: float, y: float) -> float:
+    return x
+
+
+@compiled
+def _components_pair(a: Pair, x: float, y: float) -> Pair:
+    return x, y
+
+
+@compiled
+def _diagonal_pair(a: Pair, x: float, y: float) -> Square:
+    return (x, 0.0), (0.0, y)
+
+
+@compiled
 def _lowest(a: float) -> float:
     return a
 
@@ -289,10 +322,14 @@ def _lowest(a: float) -> float:
 @compiled
 def _lowest_square(a: Square) -> float:
     half, cross = 0.5 * (a[0][0] - a[1][1]), 0.5 * (a[0][1] + a[1][0])
-    found: float = 0.5 * (a[0][0] + a[1][1]) - math.sqrt(half * half + cross * cross)
-    return found
+    eigenvalue: float = 0.5 * (a[0][0] + a[1][1]) - math.sqrt(half * half + cross * cross)
+    return eigenvalue
 
 
+along_x = choice(_along, _along_pair)  # the component along x
+across = choice(_zero, _across_pair)  # the component along y, zero on a line
+components = choice(_components, _components_pair)  # a vector of two numbers, like a vector
+diagonal = choice(_components, _diagonal_pair)  # the matrix of two numbers, like a vector
 plus = choice(_plus, _plus_pairs, _plus_squares)
 minus = choice(_minus, _minus_pairs)
 scaled = choice(_scaled, _scaled_pair, _scaled_square)
@@ -306,7 +343,7 @@ no_slope = choice(_zero, _no_slope_pair)  # the zero matrix, like a vector
 isotropic = choice(_isotropic, _isotropic_pair)  # a multiple of the unit matrix, like a vector
 no_peak = choice(_zero, _no_peak_pair)  # a peak before anything is seen, like a vector
 farther = choice(_farther, _farther_pair, at=1)  # a peak after a vector is seen
-is_given = choice(_is_given, _is_given_pair)  # whether a vector has a component
+is_nonzero = choice(_is_nonzero, _is_nonzero_pair)  # whether a vector has a component
 each_times = choice(_dot, _each_times_pair)  # the products of the components
 between = choice(_between, _between_pairs)  # a vector times a matrix times a vector
 dot = choice(_dot, _dot_pair)

@@ -5,8 +5,9 @@ case.resolved.toml in every result; running that file again gives the same bits.
 """
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol, runtime_checkable
 
@@ -15,16 +16,20 @@ from pydantic import AfterValidator, Field
 
 from thermobearing.bearing.library import BEARINGS, as_bearing, load_bearing
 from thermobearing.bearing.model import AxialForce, Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.cases import absolute, load_all, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import xr
 from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Name, Strict, in_unit, overridden, text_with_unit, updated
+from thermobearing.border.title import case_table
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
 from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import Books
+from thermobearing.cyclic.conditioning import conditioning_faults, filled, soaked_start
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
+from thermobearing.model.axial import AxialFactor
 from thermobearing.model.earlier import ONE_CELL
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import (
@@ -36,8 +41,8 @@ from thermobearing.model.handover import (
     specimen_state,
 )
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults
-from thermobearing.report.title import case_table
 from thermobearing.results.ranges import Row, compared
+from thermobearing.tables.conditioning import Conditioning
 
 TEXTS = ("name", "description", "citation")  # of a bearing: nothing that it does
 
@@ -63,19 +68,27 @@ class InitialState:
     result : an earlier result of the same bearing (of `run`, `hybrid` or `bridge`), or its
         directory: the bearing continues where that one ended, with temperatures, forces and
         history. Or its state, from `end_state`.
+    conditioning : a table in place of these, of a specimen that had not reached the temperature of
+        its chamber: the cells start at temperatures of the soaking model. Its keys are
+        `conditioned`, the time in the chamber before the test [h], in (0, 10000]; `before`, the
+        uniform temperature with which the specimen came [degC], 23 by default; `inside` and
+        `inside_place`, the reading of a thermocouple when the test begins [degC] and its place,
+        "rubber 1" (the outer layer), ... or "lead"; `chamber_film`, the film coefficient between
+        specimen and air [W/(m^2 K)], 12 by default.
     """
 
     temperature: float | Sequence[float] | None = None
     lead: float | None = None
     result: "Earlier | SpecimenState | str | Path | None" = None
+    conditioning: Mapping[str, Any] | None = None
 
     @classmethod
     def of(cls, value: Any) -> "InitialState":
         """Return a record of what may stand for one: a temperature, a result, a directory."""
         if isinstance(value, InitialState):
             return value
-        known = isinstance(value, Earlier | SpecimenState | str | Path)
-        return cls(result=value) if known else cls(temperature=value)
+        is_result = isinstance(value, Earlier | SpecimenState | str | Path)
+        return cls(result=value) if is_result else cls(temperature=value)
 
     def table(self) -> dict[str, Any]:
         """Return the same as keys of a case."""
@@ -87,6 +100,7 @@ class InitialState:
             "initial_lead": self.lead,
             "initial_state": self.result if state else None,
             "initial_result": None if state else self.result,
+            **(self.conditioning or {}),
         }
 
 
@@ -118,12 +132,12 @@ class Keep:
 
 
 def settle_start(
-    table: dict[str, Any], ways: Sequence[str]
+    table: dict[str, Any], start_keys: Sequence[str]
 ) -> "tuple[list[str], xr.Dataset | None]":
     """Return faults of the start in a case, and the dataset that `initial_result` stands for."""
-    given = [key for key in ways if key in table]
-    if len(given) > 1:
-        return [f"give only one of {', '.join(ways)}; got {given}"], None
+    set_keys = [key for key in start_keys if key in table]
+    if len(set_keys) > 1:
+        return [f"give only one of {', '.join(start_keys)}; got {set_keys}"], None
     result = table.pop("initial_result", None)
     if result is None or isinstance(result, Earlier):
         return [], None if result is None else result.dataset
@@ -141,7 +155,7 @@ def left_by(
     data: "xr.Dataset", bearing: Bearing, ambient: list[float], where: str
 ) -> SpecimenState:
     """Return where an earlier result left a bearing, in the run at the same ambient temperature."""
-    name, fault = _whose(data, bearing)
+    name, fault = _matching_bearing(data, bearing)
     try:
         state = final_state(data, ambient, name)
         if fault and state.complete:
@@ -151,6 +165,7 @@ def left_by(
     return state
 
 
+@checked
 def end_state(
     result: Earlier | str | Path, bearing: Bearing | str | Path, ambient: float | None = None
 ) -> SpecimenState:
@@ -183,8 +198,8 @@ def end_state(
     faults, data = settle_start({"initial_result": result}, ("initial_result",))
     if data is None:
         raise InputError(faults or "result: give one", "end_state()")
-    known = [] if ambient is None else [ambient]
-    return left_by(data, as_bearing(bearing), known, "end_state()")
+    ambients = [] if ambient is None else [ambient]
+    return left_by(data, as_bearing(bearing), ambients, "end_state()")
 
 
 def final_state(data: "xr.Dataset", ambient: list[float], bearing: str = "") -> SpecimenState:
@@ -208,6 +223,7 @@ def final_state(data: "xr.Dataset", ambient: list[float], bearing: str = "") -> 
 
     memory = None
     if PREFIX + MEMORY[0] in data:
+        # A dataset has no variables without elements.
         memory = {key: _read(PREFIX + key) if PREFIX + key in data else [] for key in MEMORY}
         memory |= {key: _read(PREFIX + key) for key in OF_LOOPS if PREFIX + key in data}
     lead = float(data["final_lead_temperature"].values[run])
@@ -228,33 +244,43 @@ def _same_run(data: "xr.Dataset", ambient: list[float], bearing: str) -> int:
     return int(match[0])
 
 
-def _whose(data: "xr.Dataset", bearing: Bearing) -> tuple[str, str]:
+def _matching_bearing(data: "xr.Dataset", bearing: Bearing) -> tuple[str, str]:
     """Return the name of this bearing in an earlier result, and why it is none of them."""
     case = tomllib.loads(data.attrs["case"])
-    theirs = case["bearings"] if "bearings" in case else [case["bearing"]]
-    ours = to_table(bearing)
+    stored_tables = case["bearings"] if "bearings" in case else [case["bearing"]]
+    bearing_table = to_table(bearing)
     faults = []
-    for table in theirs:
-        differ = [key for key in ours | table if table.get(key) != ours.get(key)]
-        if not set(differ) - set(TEXTS):
+    for table in stored_tables:
+        differing_keys = [
+            key for key in bearing_table | table if table.get(key) != bearing_table.get(key)
+        ]
+        # A bearing with another description is the same specimen.
+        if not set(differing_keys) - set(TEXTS):
             return table["name"], ""
         faults.append(
             f'is a test of "{table["name"]}", not of this "{bearing.name}" (they differ in '
-            f"{', '.join(differ)}); forces and history belong to the bearing; temperatures "
+            f"{', '.join(differing_keys)}); forces and history belong to the bearing; temperatures "
             "alone may be given as initial_profile of a cyclic test"
         )
-    names = [table["name"] for table in theirs]
+    names = [table["name"] for table in stored_tables]
     return next((n for n in names if n == bearing.name), names[0]), faults[0]
 
 
-def initial_temperatures(case: "Case", cells: int, ambient: float) -> Floats:
-    """Return the cell temperatures at the start [degC]."""
-    given = case.initial_profile
+def initial_temperatures(case: "Case", cells: int, ambient: float) -> tuple[Floats, float | None]:
+    """Return the temperatures of cells and lead at the start [degC]; None: as the cells next to it.
+
+    `ambient` is that of the chamber at the start.
+    """
+    if case.conditioning is not None:
+        start = soaked_start(case.bearing, case.conditioning, ambient, case.analysis)
+        return start.temperature, start.lead
+    profile = case.initial_profile
     if case.initial_state is not None:
-        given = case.initial_state.temperature
-    if given is None:
-        return np.full(cells, ambient if case.initial is None else case.initial)
-    return np.array(given)
+        profile = case.initial_state.temperature
+    if profile is None:
+        uniform = ambient if case.initial is None else case.initial
+        return np.full(cells, uniform), case.initial_lead
+    return np.array(profile), case.initial_lead
 
 
 LIMITS = {  # of a rig: unit, and words for what a run requires
@@ -278,8 +304,8 @@ class Rig(Sourced):
     speed: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        if set(given) & set(LIMITS):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        if set(values) & set(LIMITS):
             return []
         return ['give at least one limit: force = "... kN", stroke = "... mm", speed = "... mm/s"']
 
@@ -292,7 +318,7 @@ def load_rig(name_or_path: str | Path) -> Rig:
     return RIGS.load(Rig, name_or_path)
 
 
-THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
+LOADERS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
 
 
 def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
@@ -308,7 +334,7 @@ def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
         return []
     name = "the rig" if rig.name == "rig" else rig.name
     return [
-        f"{row['run']} {LIMITS[row['limit']][1].format(row['asked'], row['largest'], name)}"
+        f"{row['run']} {LIMITS[row['limit']][1].format(row['demand'], row['largest'], name)}"
         for row in rows
         if row["passed"]
     ]
@@ -317,42 +343,111 @@ def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
 Group = Literal["rubber", "layer_displacement", "hysteretic", "cells"]
 Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 Histories = Literal["thinned", "complete"]
-WAYS = ("initial", "initial_profile", "initial_result", "initial_state")  # to start
+Time = Annotated[float, Field(ge=0, le=1e9)]
+Force = Annotated[float, Field(ge=-1e6, le=1e6)]
+# To start; only one of these may be given.
+START_KEYS = ("initial", "initial_profile", "initial_result", "initial_state", "conditioned")
 DEFAULT_BEARING = "shen-hdr-specimen"
 DEFAULT_AMBIENT = (-20.0, 0.0, 23.0)  # the three chamber temperatures of Table 3.4
 
 
-class Analysis(ModelOptions):
-    """How to compute, and what to keep."""
+Axial = Literal["off", "constant", "history"]
+MOST_POINTS = 1_000_000
 
-    keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1  # besides turning points
+
+class AxialHistory(Strict):
+    """An axial force in time: straight lines between points, constant before and after them.
+
+    Attributes
+    ----------
+    time_s : increasing times since the start of the test [s], in [0, 1e9].
+    force_kN : axial force there [kN], positive in compression, in [-1e6, 1e6].
+
+    Examples
+    --------
+    >>> AxialHistory(time_s=[0, 1], force_kN=[800, 1000]).at(np.array([0.5, 7.0])).tolist()
+    [900.0, 1000.0]
+    """
+
+    time_s: Annotated[tuple[Time, ...], Field(min_length=1, max_length=MOST_POINTS)]
+    force_kN: Annotated[tuple[Force, ...], Field(min_length=1, max_length=MOST_POINTS)]
+
+    def model_post_init(self, context: Any) -> None:
+        """Compare the two lists."""
+        if len(self.time_s) != len(self.force_kN):
+            raise ValueError(
+                f"time_s has {len(self.time_s)} entries and force_kN {len(self.force_kN)}: both "
+                "need one for each point"
+            )
+        if any(after <= before for before, after in pairwise(self.time_s)):
+            raise ValueError("time_s must increase")
+
+    def at(self, time: Floats) -> Floats:
+        """Return the axial force at some times [kN]."""
+        return np.interp(time, self.time_s, self.force_kN)
+
+
+class Analysis(ModelOptions):
+    """How to compute, and what to keep.
+
+    Attributes
+    ----------
+    keep_every : keep every n-th step and all turning points; 1 by default.
+    axial : whether the axial force acts on the shear force: "off" (default), "constant", with
+        `axial_force`, or "history", with `axial_history`.
+    axial_factor : what its part in the shear force counts on: "overlap" (default) of top and
+        bottom, or "potential", the form that has an energy.
+    """
+
+    keep_every: Annotated[int, Field(ge=1, le=1_000_000_000)] = 1
     keep: tuple[Group, ...] = ("rubber", "cells")  # besides displacement, force and energy
     histories: Histories = "thinned"  # in files: turning points and 200 points a cycle
+    axial: Axial | None = None  # None: off
+    axial_factor: AxialFactor | None = None  # None: overlap
+
+    @property
+    def has_axial(self) -> bool:
+        """Whether the axial force acts on the shear force."""
+        return self.axial not in (None, "off")
 
 
-def _each_once(ambient: list[float]) -> list[float]:
-    if twice := [value for k, value in enumerate(ambient) if value in ambient[:k]]:
-        raise ValueError(f"{twice[0]:g} degC is given more than once")
+def _check_distinct(ambient: list[float]) -> list[float]:
+    if repeated := [value for k, value in enumerate(ambient) if value in ambient[:k]]:
+        raise ValueError(f"{repeated[0]:g} degC is given more than once")
     return ambient
 
 
-Ambients = Annotated[list[Temperature], AfterValidator(_each_once)]
+Ambients = Annotated[list[Temperature], AfterValidator(_check_distinct)]
 
 
-class Case(Strict):
-    """Everything that `cyclic` needs. Only one of the ways to start may be given."""
+class Case(Conditioning):
+    """Everything that `cyclic` needs. Only one of the ways to start may be given.
+
+    With `conditioned` the bearing starts as its time in the chamber left it, at each ambient
+    temperature.
+
+    Attributes
+    ----------
+    ambient : ambient temperature [degC], in [-100, 100]; one run for each.
+    initial : temperature of the bearing at the start [degC]; the ambient temperature by default.
+    rig : test rig (name or file); a warning names the limits that a run exceeds.
+    axial_force : axial force on the bearing [kN], positive in compression; adds checks. It acts on
+        the shear force with `axial = "constant"` in `analysis` only.
+    axial_history : an axial force that varies in time, with `axial = "history"`.
+    """
 
     bearing: Bearing
     test: CyclicTest
-    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]  # each is a separate run
+    ambient: Annotated[Ambients, Field(min_length=1, max_length=1000)]
     # CSV file with time and temperature of the air, instead of `ambient`
     ambient_series: Annotated[str, Field(min_length=1)] | None = None
-    initial: Temperature | None = None  # uniform; None: the ambient temperature
+    initial: Temperature | None = None
     initial_lead: Temperature | None = None  # None: the mean of the cells next to it
     initial_profile: list[Temperature] | None = None  # one per cell, upper face first
     initial_state: SpecimenState | None = None  # what `initial_result` of a file becomes
-    rig: Rig | None = None  # its limits give warnings
-    axial_force: AxialForce | None = None  # on the bearing, positive in compression; for checks
+    rig: Rig | None = None
+    axial_force: AxialForce | None = None
+    axial_history: AxialHistory | None = None
     analysis: Analysis = Analysis()
     # Of the numbers of bearing and rig, by name and dotted key; for documents only
     sources: dict[str, dict[str, str]] | None = None
@@ -363,37 +458,76 @@ class Case(Strict):
 
     def faults(self) -> list[str]:
         """Return what the parts do to each other: a test that this bearing cannot do, ..."""
-        found, steps = survey(self.test, self.bearing.total_rubber_thickness, self.starts_at)
-        found = [f"test.{fault}" for fault in found]
+        messages, steps = survey(self.test, self.bearing.total_rubber_thickness, self.starts_at)
+        messages = [f"test.{fault}" for fault in messages]
         if self.ambient_series is not None:
             try:
                 read_air(self.ambient_series)
             except InputError as error:
-                found += error.lines("ambient_series")
-        found += [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
+                messages += error.lines("ambient_series")
+        messages += [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
+        if self.conditioning is not None:
+            for chamber in self.ambient:
+                messages += conditioning_faults(self.conditioning, self.bearing, chamber)
+            if self.inside is not None and len(self.ambient) > 1:
+                messages.append("inside: is the reading of one test; give one ambient temperature")
+            if self.initial_lead is not None:
+                messages.append("initial_lead: not with conditioned, which says what the lead has")
         if self.initial_lead is not None and self.bearing.lead is None:
-            found.append("initial_lead: needs a bearing with lead")
+            messages.append("initial_lead: needs a bearing with lead")
+        messages += self._axial_faults()
         cells = len(self.analysis.build_stack(self.bearing).part)
         cells = 1 if self.analysis.model in ONE_CELL else cells
         if self.initial_profile is not None and len(self.initial_profile) != cells:
-            found.append(
+            messages.append(
                 f"initial_profile: has {len(self.initial_profile)} temperatures, "
                 f"but the stack has {cells} cells"
             )
         # The constants of a bilinear model come from a test.
-        concerned = self.initial_state is not None or self.test.in_plane
-        if concerned and not found and self.analysis.model != "bilinear":
+        needs_constants = self.initial_state is not None or self.test.in_plane
+        if needs_constants and not messages and self.analysis.model != "bilinear":
             constants = build_model(self.bearing, self.analysis).constants
             state, components = self.initial_state, 2 if self.test.in_plane else 1
             fault = misfit(state, constants, components) if state else ""
-            found += [f"initial_state: {fault}"] if fault else []
+            messages += [f"initial_state: {fault}"] if fault else []
             if self.test.in_plane:
-                found += line_only_faults(self.bearing, constants)
-        if not found:  # of a test that cannot be done the steps say nothing
+                messages += line_only_faults(self.bearing, constants)
+        if not messages:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
             row = len(labels(Books)) + cells * len(self.analysis.keep)
-            found += too_much(steps, cells, steps / self.analysis.keep_every * row)
-        return found
+            messages += too_much(steps, cells, steps / self.analysis.keep_every * row)
+        return messages
+
+    def _axial_faults(self) -> list[str]:
+        """Return why the axial force cannot act on the shear force."""
+        analysis, messages = self.analysis, []
+        if self.axial_history is not None and analysis.axial != "history":
+            messages.append('axial_history: needs analysis.axial = "history"')
+        if not analysis.has_axial:
+            if analysis.axial_factor is not None:
+                messages.append(
+                    'analysis.axial_factor: needs analysis.axial = "constant" or "history"'
+                )
+            return messages
+        required = "axial_force" if analysis.axial == "constant" else "axial_history"
+        if getattr(self, required) is None:
+            messages.append(f'analysis.axial = "{analysis.axial}": needs {required}')
+        if analysis.model == "bilinear":
+            messages.append(
+                f'analysis.axial = "{analysis.axial}": model "bilinear" has no rubber layers; use '
+                'model = "multi-layer"'
+            )
+        if analysis.keep_every > 1:
+            messages.append(
+                f'analysis.axial = "{analysis.axial}": needs every step; use keep_every = 1'
+            )
+        return messages
+
+    def axial_forces(self, time: Floats) -> Floats:
+        """Return the axial force that acts on the shear force at some times [kN]."""
+        if self.axial_history is not None:
+            return self.axial_history.at(time)
+        return np.full(len(time), self.axial_force or 0.0)
 
     @property
     def starts_at(self) -> float | Floats:
@@ -405,6 +539,7 @@ class Case(Strict):
         return np.array([along, state.across.displacement if state and state.across else 0.0])
 
 
+@checked
 def load_case(path: str | Path, **overrides: Any) -> Case:
     r"""Load a case from TOML; `bearing` may be a name, a file next to the case, or a table.
 
@@ -438,36 +573,43 @@ def make_case(table: dict[str, Any], where: str, folder: Path = Path(), **overri
     """
     dt = overrides.pop("dt", None)
     table = {"bearing": DEFAULT_BEARING} | table
-    table, given, faults = load_all(table, overrides, THINGS, folder)
+    table, replacements, faults = load_all(table, overrides, LOADERS, folder)
     test = table.get("test")
     steps = test.get("steps") if isinstance(test, dict) else None
     for step in steps if isinstance(steps, list) else []:
         absolute(step, "file", folder)
+    # Absolute paths: the resolved case is read again in another folder.
     for key in ("ambient_series", "initial_result"):
         absolute(table, key, folder)
-    table = overridden(table, given, Case, {"analysis": Analysis})
-    if "ambient" in given:
+    table = overridden(table, replacements, Case, {"analysis": Analysis})
+    if "ambient" in replacements:
         table.pop("ambient_series", None)
-    more, earlier = settle_start(table, WAYS)
-    faults += more
-    own: dict[str, str] = {}
+    start_faults, earlier = settle_start(table, START_KEYS)
+    faults += start_faults
+    bearing_sources: dict[str, str] = {}
     if isinstance(table["bearing"], dict):
-        table["bearing"], own = split_sources(table["bearing"])
+        table["bearing"], bearing_sources = split_sources(table["bearing"])
     if "ambient" in table and table.get("ambient_series") is not None:
         faults.append("give ambient or ambient_series, not both")
     _fill_defaults(table)
+    # After the defaults, so that dt replaces that of the default test too.
     table["test"] = updated(table["test"], overridden({}, {"dt": dt}, CyclicTest))
     case = read_case(Case, table, where, faults)
     if earlier is not None:
+        # After the check of the case: the earlier result must be of this bearing and temperature.
         state = left_by(earlier, case.bearing, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
     if faults := case.faults():
         raise InputError(faults, where)
-    bearing = case.bearing.with_sources(own | case.bearing.sources)
+    bearing = case.bearing.with_sources(bearing_sources | case.bearing.sources)
     rig = [(RIGS, case.rig)] if case.rig else []
     sources = sources_to_keep([(BEARINGS, bearing), *rig], case.sources)
     analysis = case.analysis.settled(case.bearing)
-    return case.model_copy(update={"analysis": analysis, "sources": sources})
+    update: dict[str, Any] = {"analysis": analysis, "sources": sources}
+    if case.conditioning is not None:
+        conditioning = filled(case.conditioning)
+        update |= {"before": conditioning.before, "chamber_film": conditioning.chamber_film}
+    return case.model_copy(update=update)
 
 
 def _fill_defaults(table: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ the cells of a layer is Richardson's estimate from twice as many.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,13 +40,13 @@ def compare_models(case: Case) -> dict[str, Result]:
     if case.test.in_plane:
         line = test_on_line(case.test, case.bearing.total_rubber_thickness)
         cases = {"plane": case, "line": case.model_copy(update={"test": line})}
-        return {name: run_case(one) for name, one in cases.items()}
-    found: dict[str, Result] = {}
+        return {name: run_case(variant) for name, variant in cases.items()}
+    results_by_model: dict[str, Result] = {}
     changes = {"scheme": "conservative", "stack": "auto"}
     for model in models_that_fit(case.bearing):
         analysis = case.analysis.model_copy(update=changes | {"model": model})
-        found[model] = run_case(case.model_copy(update={"analysis": analysis}))
-    return found
+        results_by_model[model] = run_case(case.model_copy(update={"analysis": analysis}))
+    return results_by_model
 
 
 def test_on_line(test: CyclicTest, total_rubber_thickness: float) -> CyclicTest:
@@ -94,28 +94,31 @@ def comparison_table(results: Mapping[str, Result]) -> "pd.DataFrame":
     """
     if "line" in results:
         return pd.DataFrame(_line_rises(results["plane"], results["line"]))
-    (_, truth), *others = results.items()
-    runs = range(truth.dataset.sizes["ambient"])
-    return pd.DataFrame([_errors(truth, other, name, k) for k in runs for name, other in others])
+    (_, reference), *models = results.items()
+    runs = range(reference.dataset.sizes["ambient"])
+    return pd.DataFrame(
+        [_errors(reference, result, name, k) for k in runs for name, result in models]
+    )
 
 
-def _errors(truth: Result, other: Result, name: str, run: int) -> dict[str, Any]:
-    ambient = float(truth["ambient"].values[run])
+def _errors(reference: Result, result: Result, name: str, run: int) -> dict[str, Any]:
+    ambient = float(reference["ambient"].values[run])
     row: dict[str, Any] = {"ambient_degC": ambient, "model": name}
-    row["outcome"] = str(other["outcome"].values[run])
-    cycles = [r.cycles[r.cycles["ambient_degC"] == ambient] for r in (other, truth)]
+    row["outcome"] = str(result["outcome"].values[run])
+    cycles = [r.cycles[r.cycles["ambient_degC"] == ambient] for r in (result, reference)]
     if cycles[0].empty:  # nothing to compare
         return row
-    kept = np.isfinite(other["force"].values[run])
-    moving = np.array([about["kind"] != "rest" for about in truth.segments])
-    segment = truth["segment"].values[run]
+    # Temperatures are compared while the bearing is loaded, as far as both runs got.
+    computed_steps = np.isfinite(result["force"].values[run])
+    moving = np.array([step["kind"] != "rest" for step in reference.segments])
+    segment = reference["segment"].values[run]
     loaded = np.flatnonzero((segment >= 0) & moving[np.maximum(segment, 0)])
-    loaded = loaded[loaded < len(kept)]
-    loaded = loaded[kept[loaded]]
-    for place in compared_places(truth):
-        found, expected = (_temperatures(r, run, place)[loaded] for r in (other, truth))
-        row |= temperature_differences(place, found, expected)
-    row |= force_differences(*(r["force"].values[run, loaded] for r in (other, truth)))
+    loaded = loaded[loaded < len(computed_steps)]
+    loaded = loaded[computed_steps[loaded]]
+    for place in compared_places(reference):
+        computed, expected = (_temperatures(r, run, place)[loaded] for r in (result, reference))
+        row |= temperature_differences(place, computed, expected)
+    row |= force_differences(*(r["force"].values[run, loaded] for r in (result, reference)))
     last = [table.iloc[len(cycles[0]) - 1] for table in cycles]
     for column, label in (("G_eq_MPa", "G_e"), ("h_eq", "h_eq"), ("energy_kN_mm", "energy")):
         row[f"last {label} %"] = more(last[0][column], last[1][column])
@@ -155,8 +158,8 @@ class CellsError:
     @property
     def advised(self) -> int:
         """Even number of cells in a rubber layer that would be enough."""
-        wanted = self.cells * math.sqrt(self.worst / TOLERABLE)
-        return min(MOST_CELLS, max(self.cells, 2 * math.ceil(0.5 * wanted)))
+        needed = self.cells * math.sqrt(self.worst / TOLERABLE)
+        return min(MOST_CELLS, max(self.cells, 2 * math.ceil(0.5 * needed)))
 
 
 def cells_error(bearing: Bearing) -> CellsError | None:
@@ -165,25 +168,33 @@ def cells_error(bearing: Bearing) -> CellsError | None:
     None where the reference test does not run to its end.
     """
     cells = bearing.cells
-    twice = {"rubber": FINER * cells.rubber, "shim": FINER * cells.shim}
-    finer = bearing.model_copy(update={"cells": cells.model_copy(update=twice)})
+    finer_cells = {"rubber": FINER * cells.rubber, "shim": FINER * cells.shim}
+    finer = bearing.model_copy(update={"cells": cells.model_copy(update=finer_cells)})
     step = {"step": "cycles", "strain": STRAIN, "wave": "sine", "period": PERIOD, "count": COUNT}
     test = CyclicTest(dt=0.005, steps=[step])
-    given, fine = (run(each, test, AMBIENT) for each in (bearing, finer))
-    if given.outcome != "completed" or fine.outcome != "completed":
+    coarse_result, fine_result = (run(variant, test, AMBIENT) for variant in (bearing, finer))
+    if coarse_result.outcome != "completed" or fine_result.outcome != "completed":
         return None
-    ours, better = _last_cycle(given), _last_cycle(fine)
-    rise = better[2] - AMBIENT
+    coarse, fine = _last_cycle(coarse_result), _last_cycle(fine_result)
+    least_loss = LEAST_DAMPING * fine.modulus
+    rise = fine.hottest - AMBIENT
     return CellsError(
-        stiffness=RICHARDSON * (ours[0] - better[0]) / better[0],
-        energy=RICHARDSON * (ours[1] - better[1]) / max(better[1], LEAST_DAMPING * better[0]),
-        warming=RICHARDSON * (ours[2] - better[2]),
-        rise=rise + (RICHARDSON - 1.0) * (better[2] - ours[2]),
+        stiffness=RICHARDSON * (coarse.modulus - fine.modulus) / fine.modulus,
+        energy=RICHARDSON * (coarse.loss - fine.loss) / max(fine.loss, least_loss),
+        warming=RICHARDSON * (coarse.hottest - fine.hottest),
+        # Extrapolated from twice as many cells to many: a third of the change remains.
+        rise=rise + (RICHARDSON - 1.0) * (fine.hottest - coarse.hottest),
         cells=cells.rubber,
     )
 
 
-def _last_cycle(result: Result) -> tuple[float, float, float]:
-    """Return G_eq and G_eq h_eq [MPa] of the last cycle, and the hottest layer [degC]."""
+class _LastCycle(NamedTuple):
+    modulus: float  # G_eq [MPa]
+    loss: float  # G_eq h_eq [MPa]
+    hottest: float  # layer at the end [degC]
+
+
+def _last_cycle(result: Result) -> _LastCycle:
     modulus, damping = (float(result.cycles[name].iloc[-1]) for name in ("G_eq_MPa", "h_eq"))
-    return modulus, modulus * damping, float(result["rubber_temperature"].values[0, -1].max())
+    hottest = float(result["rubber_temperature"].values[0, -1].max())
+    return _LastCycle(modulus, modulus * damping, hottest)

@@ -23,24 +23,35 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.bearing.plausible import doubled_law
+from thermobearing.bearing.state import describe_states, state_attribute, states_table
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats, Ints, labels
-from thermobearing.core.types import Books, RubberBooks
+from thermobearing.core.types import AxialBooks, Books, RubberBooks
 from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
 from thermobearing.cyclic.result import COMPONENT, CYCLES, Result, column_quantity, run_name
+from thermobearing.model.axial import axial_peaks
 from thermobearing.model.checks import (
+    axial_checks,
     check_rows,
     failed_checks,
     lead_check_rows,
+    twist_check,
+    twisted_strain,
     vertical_checks,
 )
-from thermobearing.model.constants import outside_law
+from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.handover import DIMENSIONS, PREFIX, state_memory
 from thermobearing.model.options import BearingModel
-from thermobearing.model.outcomes import MELTED, SENTENCES, SHARING_SENTENCES
+from thermobearing.model.outcomes import (
+    AXIAL_SENTENCES,
+    MELTED,
+    SENTENCES,
+    SHARING_SENTENCES,
+    UNSTABLE,
+)
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import find_cycles
@@ -54,6 +65,7 @@ GROUPS = {
     "hysteretic": ("hysteretic_variable", "layer"),
     "cells": ("temperature", "cell"),
 }
+AXIAL_COLUMNS = 10  # of `AxialBooks` that results have
 PADDING = {"segment": -1, "cycle": 0}  # after the end of a shorter run; else NaN
 
 
@@ -97,6 +109,7 @@ def labelled(
     rows = _compared_rows(case, segments, climates, histories)
     constants, options = model.constants, model.options
     factors = exposures([bearing], case.analysis.exposure)
+    states = states_table({bearing.name: (bearing, case.analysis.state)})
     lead_capacity = constants.lead.cores * constants.lead.capacity
     attributes = {
         "title": f"{bearing.name}, {case.test.name}",
@@ -117,14 +130,19 @@ def labelled(
             for s in segments
         ],
         "warnings": describe_all(factors)
+        + describe_states(states)
         + _collect_warnings(case, segments, climates)
         + _outside_law(case, climates, histories)
         + beyond(case.rig, rows["rig"])
         + failed_checks(rows["bearing_checks"])
+        + _unstable_runs(climates, histories)
         + outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
-        **{name: found for name, found in rows.items() if found},
+        **{name: limit_rows for name, limit_rows in rows.items() if limit_rows},
         **exposure_attribute(factors),
-        "sentences": SENTENCES | SHARING_SENTENCES,
+        **state_attribute(states),
+        "sentences": SENTENCES
+        | SHARING_SENTENCES
+        | (AXIAL_SENTENCES if case.analysis.has_axial else {}),
     }
     return _build_dataset(case, stack_labels(model), climates, histories, attributes)
 
@@ -136,39 +154,39 @@ def _build_dataset(
     runs: list[History],
     attributes: dict[str, Any],
 ) -> "xr.Dataset":
-    bearing, each, steps = case.bearing, ("ambient",), ("ambient", "time")
+    bearing, per_run, steps = case.bearing, ("ambient",), ("ambient", "time")
     clock = stacked([run.rows.books["clock"] for run in runs])
-    same = all(np.array_equal(clock[0], other) for other in clock)
+    one_clock = all(np.array_equal(clock[0], run_clock) for run_clock in clock)
     data: dict[str, Any] = {}
     meanings = {name: {"units": unit, "long_name": text} for name, unit, text in stack.books}
     for name in meanings:
-        if name != "clock" or not same:
+        if name != "clock" or not one_clock:
             values = stacked([run.rows.books[name] for run in runs])
-            dims = (*steps, COMPONENT)[: values.ndim]
-            data[name] = (dims, values, meanings[name])
-    (dims, moved, _), (_, force, _) = data["displacement"], data["force"]
-    data["strain"] = (dims, moved / bearing.total_rubber_thickness)
+            data[name] = (_dimensions(values, steps), values, meanings[name])
+    (dims, displacement, _), (_, force, _) = data["displacement"], data["force"]
+    data["strain"] = (dims, displacement / bearing.total_rubber_thickness)
     data["stress"] = (dims, force * (1e3 / bearing.area))
     for group, (name, dimension) in GROUPS.items():
         if group in case.analysis.keep:
             values = stacked([run.rows._asdict()[group] for run in runs])
-            data[name] = ((*steps, dimension, COMPONENT)[: values.ndim], values)
+            data[name] = (_dimensions(values, (*steps, dimension)), values)
+    data |= _axial_variables(runs, steps)
     for name in ("segment", "cycle"):
         data[name] = (steps, stacked([getattr(run, name) for run in runs], PADDING[name]))
     lead = [run.state.books[0].lead_temperature if bearing.lead else np.nan for run in runs]
     data |= {
         "initial_temperature": (("ambient", "cell"), np.array([run.initial for run in runs])),
         "final_temperature": (("ambient", "cell"), np.array([r.state.temperature for r in runs])),
-        "final_lead_temperature": (each, np.array(lead)),
-        "outcome": (each, np.array([run.outcome for run in runs], dtype=object)),
-        "steps": (each, np.array([run.steps for run in runs])),
-        "softened_steps": (each, np.array([run.softened_steps for run in runs])),
-        "layer_force_mismatch_max": (each, np.array([run.mismatch for run in runs])),
+        "final_lead_temperature": (per_run, np.array(lead)),
+        "outcome": (per_run, np.array([run.outcome for run in runs], dtype=object)),
+        "steps": (per_run, np.array([run.steps for run in runs])),
+        "softened_steps": (per_run, np.array([run.softened_steps for run in runs])),
+        "layer_force_mismatch_max": (per_run, np.array([run.mismatch for run in runs])),
     }
     data |= _memories(runs)
     ambient = [climate.at(0.0) for climate in climates[: len(runs)]]
     coordinates: dict[str, Any] = {
-        "ambient": (each, np.array(ambient)),
+        "ambient": (per_run, np.array(ambient)),
         "layer": ("layer", np.arange(1, stack.layers + 1)),
         "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
         "depth": ("cell", stack.depth, depth_attributes(bool(attributes["half_stack"]))),
@@ -177,29 +195,45 @@ def _build_dataset(
     }
     if dims[-1] == COMPONENT:
         coordinates[COMPONENT] = (COMPONENT, np.array(["x", "y"], dtype=object))
-    if same:
+        data["local_strain"] = (steps, twisted_strain(bearing.geometry, displacement, force))
+    if one_clock:
         coordinates["time"] = ("time", clock[0], meanings["clock"])
     plain = {key: as_attribute(value) for key, value in attributes.items()}
     dataset = labelled_dataset(data, coordinates, plain)
-    for own, variable in dataset.variables.items():
+    for variable_name, variable in dataset.variables.items():
         if not variable.attrs:
-            about = quantity(str(own))
-            variable.attrs = dict(about.attributes)
-            if not about.stored:
+            registered = quantity(str(variable_name))
+            variable.attrs = dict(registered.attributes)
+            if not registered.stored:
                 del variable.attrs["units"]
     return dataset
 
 
+def _axial_variables(runs: list[History], steps: tuple[str, ...]) -> dict[str, Any]:
+    """Return what the axial force did to the bearing, where it acted on the shear force."""
+    variables = {}
+    for name, unit, text in labels(AxialBooks)[:AXIAL_COLUMNS]:
+        columns = [run.axial[name] for run in runs if run.axial is not None]
+        if columns:
+            variables[name] = (steps, stacked(columns), {"units": unit, "long_name": text})
+    return variables
+
+
+def _dimensions(values: NDArray[Any], names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the dimensions of an array: `names`, and the component of one in a plane."""
+    return (*names, COMPONENT) if values.ndim > len(names) else names
+
+
 def _memories(runs: list[History]) -> dict[str, Any]:
     """Return the state at the end of each run on a line, from which another test can go on."""
-    memories, found = [state_memory(run.state) for run in runs], {}
+    memories, variables = [state_memory(run.state) for run in runs], {}
     for key in memories[0]:
-        values, also = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
+        values, dimension = np.array([memory[key] for memory in memories]), DIMENSIONS.get(key)
         if values.size:  # no empty variables
-            dims = ["ambient", *([] if also is None else [also])]
+            dims = ["ambient", *([] if dimension is None else [dimension])]
             dims += [COMPONENT] * (values.ndim - len(dims))
-            found[PREFIX + key] = (dims, values, quantity(PREFIX + key).attributes)
-    return found
+            variables[PREFIX + key] = (dims, values, quantity(PREFIX + key).attributes)
+    return variables
 
 
 def stacked(arrays: list[NDArray[Any]], padding: float = np.nan) -> NDArray[Any]:
@@ -218,28 +252,27 @@ GIVEN_IN_PYTHON = "the ambient series was given in Python"
 
 def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """Return sentences on assumptions, inputs that a file cannot hold, and coarse time steps."""
-    found = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
+    warnings = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
     if case.analysis.model not in BLIND:
-        found += [f"{case.bearing.name}: {text}" for text in doubled_law(case.bearing)]
+        warnings += [f"{case.bearing.name}: {text}" for text in doubled_law(case.bearing)]
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
-        found.append(
-            f"{GIVEN_IN_PYTHON}: case.resolved.toml has its first value only; "
-            "give it as a CSV file (ambient_series) to be able to run the case again"
+        warnings.append(
+            f"{GIVEN_IN_PYTHON}, so that case.resolved.toml has its first value only; "
+            "a CSV file (ambient_series) makes the case repeatable"
         )
     if case.initial_state is not None and not case.initial_state.complete:
-        found.append(
-            "the earlier result provides temperatures only (an earlier version wrote it): "
-            "rubber and lead begin unloaded and virgin, at zero displacement"
+        warnings.append(
+            "the earlier result is of an earlier version and has temperatures only; rubber and "
+            "lead begin unloaded and virgin, at zero displacement"
         )
-    increment = float(_way(case, segments).max()) / case.bearing.geometry.rubber_layers
+    increment = float(_increments(case, segments).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
-        found.append(
-            f"a step moves each rubber layer by up to {increment:.3g} mm, more than its yield "
-            f"displacement of {yielding:g} mm: work and heat of such steps are inaccurate; "
-            "use a smaller dt"
+        warnings.append(
+            f"steps of up to {increment:.2g} mm per rubber layer exceed its yield displacement, "
+            f"{yielding:g} mm, so that work and heat are inaccurate; use a smaller dt"
         )
-    return found
+    return warnings
 
 
 def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) -> list[str]:
@@ -247,13 +280,37 @@ def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) 
     if case.analysis.model in BLIND:
         return []
     runs = [
-        (f"{climate.at(0.0):g} degC", history.rows.books["clock"], np.asarray(history.rows.rubber))
+        (
+            run_name(climate.at(0.0)),
+            history.rows.books["clock"],
+            np.asarray(history.rows.rubber),
+        )
         for climate, history in zip(climates, histories, strict=False)
     ]
-    return outside_law(case.bearing.name, case.bearing.temperature_law, runs)
+    return outside_law(
+        case.bearing.name,
+        case.bearing.temperature_law,
+        runs,
+        case.bearing.sources.get(LAW_RANGE, ""),
+    )
 
 
-def _way(case: Case, segments: list[Segment]) -> Floats:
+def _unstable_runs(climates: list[Ambient], histories: list[History]) -> list[str]:
+    """Return a sentence for each run whose axial force exceeds the critical load."""
+    sentences = []
+    for climate, history in zip(climates, histories, strict=False):
+        if history.axial is None or history.outcome != UNSTABLE:
+            continue
+        peak = axial_peaks(history.rows.books["clock"], history.axial)["analysis"]
+        sentences.append(
+            f"{run_name(climate.at(0.0))} is unstable: the axial force exceeds the critical load "
+            f"for {peak.duration:.3g} s, first at {peak.first:.4g} s, most at {peak.time:.4g} s "
+            f"({peak.force:.4g} kN, critical load {peak.limit:.4g} kN)"
+        )
+    return sentences
+
+
+def _increments(case: Case, segments: list[Segment]) -> Floats:
     """Return how far the bearing moves in each step [mm]."""
     start = np.full_like(segments[0].x[:1], case.starts_at)
     return lengths(np.diff(np.concatenate([start, *(segment.x for segment in segments)]), axis=0))
@@ -264,37 +321,49 @@ def _compared_rows(
 ) -> dict[str, list[Row]]:
     """Compare each run with the rig, with the tests of the bearing and with its critical load."""
     dt = np.concatenate([segment.dt for segment in segments])
-    speed = float((_way(case, segments) / dt).max())
-    found: dict[str, list[Row]] = {"rig": [], "tested_range": [], "bearing_checks": []}
+    speed = float((_increments(case, segments) / dt).max())
+    rows: dict[str, list[Row]] = {"rig": [], "tested_range": [], "bearing_checks": []}
+    # An interrupted analysis has fewer histories than climates.
     for climate, history in zip(climates, histories, strict=False):
-        books, name = history.rows.books, run_name(climate.at(0.0))
-        peaks = [float(lengths(books[one]).max()) for one in ("force", "displacement")]
-        moved = books["displacement"]
-        if moved.ndim > 1:  # strain of the resultant, cycles along x
-            moved = np.copysign(lengths(moved), moved[:, 0])
-        found["rig"] += rig_demand(case.rig, name, [*peaks, speed])
+        quantities, name = history.rows.books, run_name(climate.at(0.0))
+        peaks = [float(lengths(quantities[key]).max()) for key in ("force", "displacement")]
+        displacement = quantities["displacement"]
+        if displacement.ndim > 1:  # strain of the resultant, cycles along x
+            displacement = np.copysign(lengths(displacement), displacement[:, 0])
+        rows["rig"] += rig_demand(case.rig, name, [*peaks, speed])
         reached = reached_by(
-            books["clock"],
-            moved,
+            quantities["clock"],
+            displacement,
             speed,
             rubber=case.bearing.total_rubber_thickness,
             ambient=(float(climate.temperature.min()), float(climate.temperature.max())),
-            lead=books["lead_temperature"] if case.bearing.lead else None,
+            lead=quantities["lead_temperature"] if case.bearing.lead else None,
         )
-        found["tested_range"] += compare_with_tests(name, reached, calibration_ranges(case.bearing))
+        rows["tested_range"] += compare_with_tests(name, reached, calibration_ranges(case.bearing))
         if "lead_temperature" in reached:
             hottest = np.max(reached["lead_temperature"])
             melted = history.outcome == MELTED
-            found["bearing_checks"] += lead_check_rows(
+            rows["bearing_checks"] += lead_check_rows(
                 name, case.bearing.name, float(hottest), melted=melted
             )
         if case.axial_force is not None:
             warmest = float(climate.temperature.max())
-            load = case.axial_force, books["displacement"], warmest
-            found["bearing_checks"] += check_rows(
+            load = case.axial_force, quantities["displacement"], warmest
+            rows["bearing_checks"] += check_rows(
                 name, case.bearing.name, vertical_checks(case.bearing, *load)
             )
-    return found
+        if history.axial is not None:
+            rows["bearing_checks"] += check_rows(
+                name,
+                case.bearing.name,
+                axial_checks(axial_peaks(quantities["clock"], history.axial)),
+            )
+        if quantities["displacement"].ndim > 1:
+            check = twist_check(
+                case.bearing.geometry, quantities["displacement"], quantities["force"]
+            )
+            rows["bearing_checks"] += check_rows(name, case.bearing.name, [check])
+    return rows
 
 
 POINTS = 200  # of a cycle, a ramp, a rest
@@ -310,18 +379,18 @@ def written_part(result: Result) -> Result:
     data = result.dataset
     if data.attrs.get("histories") == COMPLETE or data.attrs.get(ROWS) == THINNED:
         return result
-    rows = [_rows_worth(result, run) for run in range(data.sizes["ambient"])]
+    rows = [_rows_to_write(result, run) for run in range(data.sizes["ambient"])]
     if "clock" not in data:  # one clock for all
         data = data.isel(time=np.unique(np.concatenate(rows)))
     else:
-        found = {}
+        variables = {}
         for name, values in data.data_vars.items():
             if values.dims[:2] == ("ambient", "time"):
-                kept = [values.values[run, mine] for run, mine in enumerate(rows)]
-                values_kept = stacked(kept, PADDING.get(str(name), np.nan))
-                kept_part = (values.dims, values_kept, values.attrs)
-                found[str(name)] = labelled_variable(str(name), kept_part)
-        data = data.drop_vars(list(found)).assign(found)
+                values_by_run = [values.values[run, run_rows] for run, run_rows in enumerate(rows)]
+                kept_values = stacked(values_by_run, PADDING.get(str(name), np.nan))
+                kept_part = (values.dims, kept_values, values.attrs)
+                variables[str(name)] = labelled_variable(str(name), kept_part)
+        data = data.drop_vars(list(variables)).assign(variables)
     measures = {}
     for name in map(str, result.cycles):
         units = {"units": column_quantity(name).stored}
@@ -330,27 +399,29 @@ def written_part(result: Result) -> Result:
     return Result(data.assign(measures).assign_attrs({ROWS: THINNED}))
 
 
-def _rows_worth(result: Result, run: int) -> Ints:
+def _rows_to_write(result: Result, run: int) -> Ints:
     """Return the rows of a run to write: of each cycle its ends, its extremes, 200 between."""
     data = result.dataset
     segment, cycle = (data[name].values[run] for name in ("segment", "cycle"))
     sides = [side for n in ("displacement", "force") for side in np.atleast_2d(data[n][run].T)]
     x = np.asarray(sides[0])
     count = int((segment >= 0).sum())
+    # Not zero where the segment or the cycle changes. Rows are spread between such changes, and
+    # between the cycles of a recording, so that each cycle has as many.
     change = np.diff(segment[:count]) | np.diff(cycle[:count])
     bounds = {0, count, *(1 + np.flatnonzero(change)).tolist()}
     parts = np.searchsorted(segment[:count], np.arange(len(result.segments) + 1)).tolist()
-    for about, (first, end) in zip(result.segments, pairwise(parts), strict=True):
-        if about["kind"] == "recorded" and first < end:
+    for step, (first, end) in zip(result.segments, pairwise(parts), strict=True):
+        if step["kind"] == "recorded" and first < end:
             bounds |= {first + place + 1 for pair in find_cycles(x[first:end]) for place in pair}
-    kept = [np.array([0])]
+    places = [np.array([0])]
     for first, end in pairwise(sorted(place for place in bounds if place <= count)):
         block = slice(first, end)
         even = np.linspace(0, end - first - 1, min(end - first, POINTS)).round()
         turns = place_of_largest, place_of_least
         ends = [turn(values[block]) for values in sides for turn in turns]
-        kept.append(first + np.concatenate([even, ends]).astype(np.int64))
-    return np.unique(np.concatenate(kept))
+        places.append(first + np.concatenate([even, ends]).astype(np.int64))
+    return np.unique(np.concatenate(places))
 
 
 DOUBLE, SINGLE = 8, 4  # [bytes] of a number in result.nc; those of cells are single
@@ -363,8 +434,8 @@ def expected_size(case: Case) -> float:
     """Return an upper bound of result.nc without compression and history.csv [bytes]."""
     keep, stack = case.analysis.keep, case.analysis.build_stack(case.bearing)
     layers = max(stack.part.count("rubber") // max(case.bearing.cells.rubber, 1), 1)
-    wide = sum(layers for name in keep if name != "cells")
-    row = DOUBLE * (len(labels(Books)) + 2 + wide) + COUNTERS
+    layer_columns = sum(layers for name in keep if name != "cells")
+    row = DOUBLE * (len(labels(Books)) + 2 + layer_columns) + COUNTERS
     row += (DOUBLE + TEXT) * 6 if case.test.in_plane else 0  # second components
     row += SINGLE * len(stack.part) if "cells" in keep else 0
     row += TEXT * (CSV_COLUMNS + (layers if "rubber" in keep else 0))

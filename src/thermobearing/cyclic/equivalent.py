@@ -17,7 +17,7 @@ from thermobearing.border.schema import Strict, validated
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.history import build_segments, run_segments
 from thermobearing.cyclic.protocol import cyclic_test
-from thermobearing.model.earlier import BilinearParameters, isothermal
+from thermobearing.model.earlier import BilinearParameters, without_heating
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import EndFace
 from thermobearing.results.metrics import CycleMeasures, measure_cycle
@@ -25,6 +25,7 @@ from thermobearing.results.metrics import CycleMeasures, measure_cycle
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
 CYCLE = 3  # the cycle that standards measure
+SAME_ENERGY = 0.01  # by which the energy of a bilinear loop may differ from that of a cycle
 MOST_STEPS = 5000  # in a quarter of a cycle, which a slow test of a large bearing would exceed
 
 
@@ -49,15 +50,17 @@ def bilinear_parameters(
     strain: float = DESIGN_STRAIN,
     speed: float = 30.0,
     temperature: float | None = None,
+    cycle: int = CYCLE,
 ) -> BilinearParameters:
     """Return the bilinear model with the equivalent stiffness and the loop area of a bearing.
 
-    The third cycle of a test without heating at a strain amplitude, a mean speed [mm/s] and a
-    temperature [degC] (that of the law of the rubber by default): Q_d, K_2 and K_1 in the ratio of
-    the bearing's kind (data/equivalent) such that peak force and energy are those of the bearing.
+    One cycle (the third by default) of a test without heating at a strain amplitude, a mean speed
+    [mm/s] and a temperature [degC] (that of the law of the rubber by default): Q_d, K_2 and K_1 in
+    the ratio of the bearing's kind (data/equivalent) such that peak force and energy are those of
+    the bearing.
     """
     bearing = as_bearing(bearing)
-    measured = isothermal_cycle(bearing, strain, speed, temperature)
+    measured = isothermal_cycle(bearing, strain, speed, temperature, cycle)
     amplitude = strain * bearing.total_rubber_thickness
     return backbone(measured.stiffness_kN_mm, measured.energy_kN_mm, amplitude, bearing.kind)
 
@@ -67,8 +70,9 @@ def isothermal_cycle(
     strain: float,
     speed: float = 30.0,
     temperature: float | None = None,
+    cycle: int = CYCLE,
 ) -> CycleMeasures:
-    """Return the measures of the third cycle of a bearing that does not warm.
+    """Return the measures of a cycle, the third by default, of a bearing that does not warm.
 
     Units and default of the temperature are those of `bilinear_parameters`.
     """
@@ -76,20 +80,21 @@ def isothermal_cycle(
     adiabatic = EndFace(eta=1.0)
     model = build_model(bearing, ModelOptions(upper_face=adiabatic, lower_face=adiabatic))
     rubber = bearing.total_rubber_thickness
-    test = cyclic_test(strain=[strain], cycles=CYCLE, speed=speed, closing_strain=None)
+    test = cyclic_test(strain=[strain], cycles=cycle, speed=speed, closing_strain=None)
     quarter = strain * rubber / speed
     test = test.model_copy(update={"dt": max(test.dt, quarter / MOST_STEPS)})
     at = bearing.hysteresis.reference_temperature if temperature is None else temperature
     history = run_segments(
-        isothermal(model.constants),
+        without_heating(model.constants),
         build_segments(test, rubber),
         Ambient.constant(at),
         np.full(len(model.stack.part), at),
         groups=(),
     )
-    third = np.flatnonzero(history.cycle == CYCLE)
-    books = history.rows.books[slice(third[0] - 1, third[-1] + 1)]
-    x, force = books["displacement"], books["force"]
+    rows = np.flatnonzero(history.cycle == cycle)
+    # From the row that closes the cycle before.
+    quantities = history.rows.books[slice(max(rows[0] - 1, 0), rows[-1] + 1)]
+    x, force = quantities["displacement"], quantities["force"]
     return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
 
 
@@ -105,9 +110,30 @@ def backbone(
     ratio = 1.0 / post_yield_ratio(kind).K_2_over_K_1
     if not damping < FATTEST:
         raise InputError(f"no bilinear loop has a damping ratio of {damping:.2f}")
-    while (found := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:
+    while (parameters := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:
         ratio *= 1.25
-    return found
+    return parameters
+
+
+def stated_backbone(
+    bearing: Bearing, cycle: CycleMeasures, amplitude: float
+) -> BilinearParameters | None:
+    """Return the bilinear loop that a bearing states itself; None where its loop is not bilinear.
+
+    Rubber with one linear branch, parallel to lead cores, has the stiffness K_2 after the lead has
+    yielded and K_1 = K_2 + n_l K_l before. K_2 is that of a cycle of an amplitude [mm], and Q_d
+    that of its peak force, which is the force at zero displacement beyond twice the yield
+    displacement.
+    """
+    hysteresis, lead = bearing.hysteresis, bearing.lead
+    if lead is None or hysteresis.post_yield_ratio < 1.0 or hysteresis.hardening != 0.0:
+        return None
+    post_yield = cycle.post_yield_stiffness_kN_mm
+    strength = (cycle.stiffness_kN_mm - post_yield) * amplitude
+    loop = BilinearParameters(strength, post_yield, post_yield + lead.cores * lead.stiffness)
+    # A first cycle, virgin rubber and viscous layers have another energy.
+    difference = abs(loop.energy(amplitude) - cycle.energy_kN_mm)
+    return loop if difference < SAME_ENERGY * cycle.energy_kN_mm else None
 
 
 def solve_backbone(

@@ -62,9 +62,18 @@ POINTS = ("none", "o")
 FORCE: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
 LEAD, INNER, OUTER = "#222222", "#D55E00", "#56B4E9"
 METHODS = (
-    "displacement orbit loops measures layer_temperatures lead_temperature force_shares profiles"
+    "displacement",
+    "orbit",
+    "loops",
+    "measures",
+    "layer_temperatures",
+    "lead_temperature",
+    "force_shares",
+    "profiles",
+    "layer_shear",
+    "energy",
+    "comparison",
 )
-METHODS += " layer_shear energy comparison"
 FILES = {"displacement": "imposed_displacement", "energy": "energy_balance"}  # else the method
 KEPT = (  # figure, variable that it needs, group of it
     ("layer_temperatures", "rubber_temperature", "rubber"),
@@ -83,7 +92,10 @@ class NothingToDrawError(InputError):
 def _joined(pieces: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
     """Return pieces of a line as one, NaN after each."""
     gap = np.array([np.nan])
-    xs, ys = ([np.empty(0), *(p for xy in pieces for p in (xy[k], gap))] for k in (0, 1))
+    xs, ys = [np.empty(0)], [np.empty(0)]
+    for x, y in pieces:
+        xs += [x, gap]
+        ys += [y, gap]
     return np.concatenate(xs), np.concatenate(ys)
 
 
@@ -127,29 +139,39 @@ class TimeAxis(DrawnAxis):
 
     def _moving_rows(self, run: int) -> list[slice]:
         """Return the rows of each stretch of a run in which the bearing moves."""
-        found = [self._inside(run, s.first, s.last) for s in self.stretches if not s.rest]
-        return [inside for inside in found if inside != NOTHING]
+        slices = [self._inside(run, s.first, s.last) for s in self.stretches if not s.rest]
+        return [inside for inside in slices if inside != NOTHING]
 
     def _loading_ends(self) -> list[tuple[int, str]]:
         """Return number and name of some segments whose ends are shown: loadings, if any."""
-        found: list[int] = []
+        segments: list[int] = []
+        # The first kind that the test has: ramps and rests only where nothing else loads it.
         for kinds in ({"cycles", "path", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
-            found = found or [i for i, kind in enumerate(self._kinds) if kind in kinds]
-        names = [self._labels[i] for i in found]
-        chosen = np.unique(np.linspace(0, len(found) - 1, MOST_PROFILES).round().astype(int))
+            segments = [i for i, kind in enumerate(self._kinds) if kind in kinds]
+            if segments:
+                break
+        names = [self._labels[i] for i in segments]
+        chosen = np.unique(np.linspace(0, len(segments) - 1, MOST_PROFILES).round().astype(int))
         return [
-            (found[k], names[k] + (f" (step {found[k] + 1})" if names.count(names[k]) > 1 else ""))
+            (
+                segments[k],
+                names[k] + (f" (step {segments[k] + 1})" if names.count(names[k]) > 1 else ""),
+            )
             for k in chosen
         ]
 
     def _grouped(self) -> Iterator[Stretch]:
         """Yield the stretches that any run reached, not yet placed."""
-        for rest, same in groupby(range(len(self._kinds)), lambda i: self._kinds[i] == "rest"):
-            first, *_, last = [*same] * 2
+        for is_rest, numbers in groupby(
+            range(len(self._kinds)), lambda i: self._kinds[i] == "rest"
+        ):
+            stretch = list(numbers)
+            first, last = stretch[0], stretch[-1]
+            # A run that ended early may have reached none of the stretch, or a part of it.
             reached = [(t, self._inside(run, first, last)) for run, t in enumerate(self.times)]
             spans = [float(np.ptp(time[rows])) for time, rows in reached if rows != NOTHING]
             if spans:
-                yield Stretch(first, last, rest, min(spans), max(spans))
+                yield Stretch(first, last, is_rest, min(spans), max(spans))
 
     def trace(self, run: int, values: Floats) -> tuple[Floats, Floats]:
         """Return places and thinned values of a history of a run; NaN between stretches."""
@@ -210,12 +232,12 @@ class Figures(drawing.Figures):
             needs |= dict.fromkeys(("loops", "force_shares", "layer_shear"), (False, IN_PLANE))
         else:
             needs["orbit"] = (False, "the bearing moves on a line; see loops")
-        return {name: reason for name, (there, reason) in needs.items() if not there}
+        return {name: reason for name, (available, reason) in needs.items() if not available}
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws each figure that the result holds data for, by name of its file."""
         absent = self.absent()
-        return {FILES.get(n, n): getattr(self, n) for n in METHODS.split() if n not in absent}
+        return {FILES.get(n, n): getattr(self, n) for n in METHODS if n not in absent}
 
     def _require(self, name: str) -> None:
         if reason := self.absent().get(name):
@@ -226,14 +248,14 @@ class Figures(drawing.Figures):
 
     def _run_titles(self) -> list[str]:
         """Return the ambient temperatures, and what ended the runs that did not complete."""
-        rows, found = self._result.tested_range.to_dict("records"), []
+        rows, titles = self._result.tested_range.to_dict("records"), []
         for ambient, end in zip(self._ambient, self._data["outcome"].values, strict=True):
             title = f"ambient {drawing.degrees(ambient)}"
             if "ambient" in limits_passed(rows, [run_name(ambient)])[0].split():
                 title += " (outside calibration range)"
             ended = "" if end == "completed" else f" ({str(end).replace('_', ' ')})"
-            found.append(title + ended)
-        return found
+            titles.append(title + ended)
+        return titles
 
     def _draw_in_time(
         self, what: str, y: str, lines: Sequence[Line], notes: Sequence[str] | None = None
@@ -242,11 +264,11 @@ class Figures(drawing.Figures):
 
         Without `notes`, which follow the titles, they are temperatures: with the ambient one.
         """
-        time, count = TimeAxis(self._result), len(self._ambient)
+        time, run_count = TimeAxis(self._result), len(self._ambient)
         titles = [a + b for a, b in zip_longest(self._run_titles(), notes or (), fillvalue="")]
-        figure, axes = drawing.panels(count, 1, (9.5, 1.4 + 2.2 * count), self._title(what))
+        figure, axes = drawing.panels(run_count, 1, (9.5, 1.4 + 2.2 * run_count), self._title(what))
         for run, ax in enumerate(axes):
-            time.set_ticks(ax, labels=run == count - 1)
+            time.set_ticks(ax, labels=run == run_count - 1)
             time.shade_rests(ax, labels=run == 0)
             if run == 0:
                 time._label_loadings(ax)
@@ -372,9 +394,9 @@ class Figures(drawing.Figures):
         for ax, name in zip(axes, ("G_eq_MPa", "h_eq"), strict=True):
             for ambient, colour in zip(self._ambient, self._colours, strict=True):
                 for _, table, look in shown:
-                    mine = table[table["ambient_degC"] == ambient]
-                    strain = 100.0 * mine["amplitude_strain"]
-                    ax.plot(strain, mine[name], **_cycle_look(*look, colour))
+                    rows = table[table["ambient_degC"] == ambient]
+                    strain = 100.0 * rows["amplitude_strain"]
+                    ax.plot(strain, rows[name], **_cycle_look(*look, colour))
             drawing.name_axes(ax, quantity("amplitude_strain").label, quantity(name).label)
             ax.set_xlim(0.0, 108.0 * float(cycles["amplitude_strain"].max()))
             ax.set_ylim(0.0, 1.08 * float(cycles[name].max()))
@@ -404,22 +426,26 @@ class Figures(drawing.Figures):
         drawn to scale; rests (shaded) start to scale and turn logarithmic.
         """
         self._require("layer_temperatures")
-        rubber = self._data["rubber_temperature"].values
-        groups = drawn_layers(self._result)
-        colours = drawing.ordered_colours(len(groups), "plasma")
-        widths = 2.0 - 1.2 * np.arange(len(groups)) / len(groups)  # where two agree, both are seen
-        lines: list[Line] = [
-            (rubber[:, :, j], {"color": colours[k], "label": name, "linewidth": widths[k]})
-            for k, (name, j) in enumerate(groups)
-        ]
-        what = "temperature of the rubber layers"
-        figure, axes = self._draw_in_time(what, "rubber temperature [°C]", lines)
+        rubber, lines = self._data["rubber_temperature"].values, self.layer_lines()
+        subject = "temperature of the rubber layers"
+        figure, axes = self._draw_in_time(subject, "rubber temperature [°C]", lines)
         lows = np.fmin(np.nanmin(rubber, axis=(1, 2)), self._ambient)
         highs = np.fmax(np.nanmax(rubber, axis=(1, 2)), self._ambient)
+        # The same number of kelvin in each panel, so that rises can be compared.
         span = max(float(np.max(highs - lows)), 0.1)
         for ax, low in zip(axes, lows, strict=True):
             ax.set_ylim(low - 0.05 * span, low + 1.08 * span)
         return figure
+
+    def layer_lines(self) -> list[Line]:
+        """Return the temperatures of the rubber layers that are drawn, and their looks."""
+        rubber, groups = self._data["rubber_temperature"].values, drawn_layers(self._result)
+        colours = drawing.ordered_colours(len(groups), "viridis")
+        widths = 2.0 - 1.2 * np.arange(len(groups)) / len(groups)  # where two agree, both are seen
+        return [
+            (rubber[:, :, j], {"color": colours[k], "label": name, "linewidth": widths[k]})
+            for k, (name, j) in enumerate(groups)
+        ]
 
     def lead_temperature(self) -> Figure:
         """Draw the temperatures of lead, innermost and outermost layer in time, as Fig. 5.8."""
@@ -516,6 +542,7 @@ class Figures(drawing.Figures):
                 rows = np.arange(time.rows[run])[time._inside(run, number, number)]
                 if len(rows):
                     moved = np.abs(data["displacement"].values[run, rows])
+                    # The last of equal peaks: a hold, or further cycles of the same amplitude.
                     peak = rows[np.flatnonzero(moved >= AT_PEAK * moved.max())[-1]]
                     layers = np.abs(data["layer_displacement"].values[run, peak])
                     ax.plot(layers, depth, color=colour, **look)
@@ -536,9 +563,9 @@ class Figures(drawing.Figures):
         residuals = self._result.energy[["mechanical_residual", "thermal_residual"]].to_numpy()
         notes = [
             "; relative residual of the balance: mechanical {}, thermal {}".format(
-                *map(_residual, both)
+                *map(_residual, residual_pair)
             )
-            for both in residuals
+            for residual_pair in residuals
         ]
         lines: list[Line] = [
             (
@@ -559,20 +586,24 @@ class Figures(drawing.Figures):
         self._require("comparison")
         if self._result.in_plane:
             return self._draw_plane_and_line()
-        (reference, truth), *others = self._result.compared.items()
-        count, rows = len(self._ambient), [*compared_places(truth), PEAK]
-        colours = drawing.ordered_colours(len(others), "turbo")
+        (reference, reference_result), *other_results = self._result.compared.items()
+        count, rows = len(self._ambient), [*compared_places(reference_result), PEAK]
+        colours = drawing.ordered_colours(len(other_results), "turbo")
         size = (max(7.0, 1.5 + 3.4 * count), 1.4 + 1.9 * len(rows))
         title = self._title(f"earlier models against the {reference} one")
         figure, axes = drawing.panels(len(rows), count, size, title)
         for line, row in enumerate(rows):
-            shared = axes[line * count : (line + 1) * count]
+            shared = axes[line * count : (line + 1) * count]  # panels of a row, of one scale
             for ambient, ax in zip(self._ambient, shared, strict=True):
-                expected = _at_cycles(truth, ambient, row)
-                for (_, other), colour in zip(others, colours, strict=True):
-                    found = _at_cycles(other, ambient, row)
-                    same = expected[: len(found)]  # those of a run that ended early
-                    error = 100.0 * (found / same - 1.0) if row == PEAK else found - same
+                expected = _at_cycles(reference_result, ambient, row)
+                for (_, result), colour in zip(other_results, colours, strict=True):
+                    values = _at_cycles(result, ambient, row)
+                    expected_values = expected[: len(values)]  # those of a run that ended early
+                    error = (
+                        100.0 * (values / expected_values - 1.0)
+                        if row == PEAK
+                        else values - expected_values
+                    )
                     numbers = np.arange(1, len(error) + 1)
                     ax.plot(numbers, error, color=colour, marker=".", markersize=3.5, linewidth=0.9)
                 ax.axhline(0.0, color=drawing.INK, linewidth=0.8)
@@ -583,7 +614,7 @@ class Figures(drawing.Figures):
                 ax.set_ylim(*limits)
             label = f"{row} [%]" if row == PEAK else f"error of {row} [K]"
             drawing.name_axes(shared[0], y=label)
-        marks = zip(others, colours, strict=True)
+        marks = zip(other_results, colours, strict=True)
         drawing.legend_below(figure, [Line2D([], [], color=c, label=n) for (n, _), c in marks])
         return figure
 
@@ -628,8 +659,8 @@ def drawn_layers(result: Result) -> list[tuple[str, int]]:
 def _at_cycles(result: Result, ambient: float, row: str) -> Floats:
     """Return the temperature at the end, or the largest stress, of each cycle."""
     names = {"lead": "lead_degC", "outer layer": "rubber1_degC", PEAK: "stress_max_MPa"}
-    mine = result.cycles[result.cycles["ambient_degC"] == ambient]
-    return np.asarray(mine[names.get(row, inner_layer(result))], dtype=float)
+    cycles = result.cycles[result.cycles["ambient_degC"] == ambient]
+    return np.asarray(cycles[names.get(row, inner_layer(result))], dtype=float)
 
 
 def _layer_depths(data: "xr.Dataset") -> Floats:
@@ -637,5 +668,5 @@ def _layer_depths(data: "xr.Dataset") -> Floats:
     thickness = data["cell_thickness"].values
     bottom = np.cumsum(thickness)
     rubber = np.flatnonzero(data["part"].values == "rubber")
-    each = np.split(rubber, np.flatnonzero(np.diff(rubber) > 1) + 1)
-    return np.array([0.5 * (bottom[c[0]] - thickness[c[0]] + bottom[c[-1]]) for c in each])
+    layers = np.split(rubber, np.flatnonzero(np.diff(rubber) > 1) + 1)
+    return np.array([0.5 * (bottom[c[0]] - thickness[c[0]] + bottom[c[-1]]) for c in layers])

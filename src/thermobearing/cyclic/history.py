@@ -12,10 +12,11 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.march import keep_row, march
 from thermobearing.core.plane import count_components, march_plane, plain
-from thermobearing.core.records import Floats, unset
+from thermobearing.core.records import Floats, Rows, unset
 from thermobearing.core.types import (
     COMPLETED,
     SOFTENED,
+    AxialBooks,
     Books,
     Constants,
     Kept,
@@ -61,6 +62,7 @@ class Segment:
 
 
 def _equal_steps(duration: float, dt: float) -> int:
+    # A quotient that exceeds an integer by its rounding makes no further step.
     return max(1, math.ceil(duration / dt - TINY))
 
 
@@ -72,7 +74,7 @@ def _cycle_shape(wave: str, steps: int) -> Floats:
     return np.concatenate([rising, falling, -rising, -falling])
 
 
-def _cycles(step: Cycles, rubber: float, dt: float) -> list[Segment]:
+def _cycle_segments(step: Cycles, rubber: float, dt: float) -> list[Segment]:
     label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
     parts = [(step.size(rubber), step.count, "cycles", label)]
     if step.closing_strain is not None:
@@ -96,26 +98,29 @@ def _cycles(step: Cycles, rubber: float, dt: float) -> list[Segment]:
     return segments
 
 
-def _turns(step: PlanePath, rubber: float, dt: float) -> list[Segment]:
+def _path_segments(step: PlanePath, rubber: float, dt: float) -> list[Segment]:
     """Return the turns on a path, with ramps from the origin and to it where they are away."""
     duration, size = step.turn_duration(rubber), step.size(rubber)
     sides = step.sides(duration, dt)
-    points, each = size * step.points(sides), SIDES * sides
-    count, origin, ramp = each * step.count, np.zeros(2), step.ramp_duration(rubber)
+    points, steps_per_turn = size * step.points(sides), SIDES * sides
+    count, origin, ramp = steps_per_turn * step.count, np.zeros(2), step.ramp_duration(rubber)
     label = f"{step.strain:.0%}" if step.strain else f"{step.amplitude:g} mm"
     turns = Segment(
         kind="path",
         label=f"{step.path} of {label}",
         x=points[1:],
-        dt=np.full(count, duration / each),
-        cycle=np.repeat(np.arange(1, step.count + 1, dtype=np.int32), each),
+        dt=np.full(count, duration / steps_per_turn),
+        cycle=np.repeat(np.arange(1, step.count + 1, dtype=np.int32), steps_per_turn),
         turning=np.arange(1, count + 1) % sides == 0,
         amplitude_strain=size / rubber,
     )
-    ends = [_straight(origin, points[0], ramp, dt), turns, _straight(points[-1], origin, ramp, dt)]
-    return [
-        part for part in ends if part is turns or distance(points[0 if part is ends[0] else -1])
-    ]
+    # A path may begin or end at the origin, as a cruciform does: no ramp is needed there.
+    segments = [turns]
+    if distance(points[0]):
+        segments.insert(0, _straight(origin, points[0], ramp, dt))
+    if distance(points[-1]):
+        segments.append(_straight(points[-1], origin, ramp, dt))
+    return segments
 
 
 def _ramp(step: Ramp, rubber: float, dt: float, start: float | Floats) -> Segment:
@@ -128,28 +133,35 @@ def _straight(start: float | Floats, end: float | Floats, duration: float, dt: f
     steps = _equal_steps(duration, dt)
     part = np.arange(1, steps + 1)
     x = np.stack([a + (b - a) * part / steps for a, b in np.atleast_2d(np.c_[start, end])], axis=-1)
+    # The next step begins at `end` itself, not within a rounding of it.
     x[-1] = end
     x = x[:, 0] if np.ndim(start) == 0 else x
+    # A ramp to where the bearing is takes no time, but a step of the model needs some.
     span = max(duration, TINY)
-    return _plain("ramp", f"ramp to {place_text(end)} mm", x, np.full(steps, span / steps))
+    return _segment_without_cycles(
+        "ramp", f"ramp to {place_text(end)} mm", x, np.full(steps, span / steps)
+    )
 
 
 def _rest(step: Rest, dt: float, start: float | Floats) -> Segment:
     duration, longest = step.span, step.longest_step(dt)
     steps = [min(dt, duration, REST_START)]
-    left = duration - steps[0]
-    while left > 0.0:
+    remaining = duration - steps[0]
+    while remaining > 0.0:
         size = min(steps[-1] * REST_GROWTH, longest)
-        if left < 1.5 * size:
-            size = left
+        # The last step takes what would remain as less than half a step.
+        if remaining < 1.5 * size:
+            size = remaining
         steps.append(size)
-        left -= size
+        remaining -= size
     label = f"rest {duration:g} s" if step.duration else f"rest until within {step.within:g} K"
     x = np.full((len(steps), *np.shape(start)), start)
-    return _plain("rest", label, x, np.array(steps), step.within or 0.0)
+    return _segment_without_cycles("rest", label, x, np.array(steps), step.within or 0.0)
 
 
-def _plain(kind: str, label: str, x: Floats, dt: Floats, within: float = 0.0) -> Segment:
+def _segment_without_cycles(
+    kind: str, label: str, x: Floats, dt: Floats, within: float = 0.0
+) -> Segment:
     turning = np.arange(len(x)) == len(x) - 1
     return Segment(kind, label, x, dt, np.zeros(len(x), dtype=np.int32), turning, within=within)
 
@@ -158,16 +170,20 @@ def _recorded(step: Recorded, rubber: float, dt: float, start: float | Floats) -
     gaps, displacement, assumed = step.points(start)
     if np.ndim(start) and displacement.ndim == 1:
         displacement = lifted(displacement)
+    # Gaps longer than dt are divided into equal steps on a straight line.
     counts = np.maximum(1, np.ceil(gaps / dt - TINY).astype(np.int64))
     steps = np.repeat(gaps / counts, counts)
     ends = np.concatenate([[0], np.cumsum(counts)])
     numbers = np.arange(counts.sum()) + 1
     turns, peak = np.isin(numbers, ends), float(lengths(displacement).max()) / rubber
-    x = np.stack([np.interp(numbers, ends, one) for one in np.atleast_2d(displacement.T)], axis=-1)
+    x = np.stack(
+        [np.interp(numbers, ends, component) for component in np.atleast_2d(displacement.T)],
+        axis=-1,
+    )
     x = x if displacement.ndim > 1 else x[:, 0]
     cycle = np.zeros(len(x), dtype=np.int32)
-    said = tuple(f"{step.name}: {text}" for text in assumed)
-    return Segment("recorded", step.name, x, steps, cycle, turns, peak, assumed=said)
+    assumptions = tuple(f"{step.name}: {text}" for text in assumed)
+    return Segment("recorded", step.name, x, steps, cycle, turns, peak, assumed=assumptions)
 
 
 def build_segments(
@@ -186,10 +202,12 @@ def build_segments(
     for step in test.steps:
         match step:
             case Cycles():
-                some = _cycles(step, rubber, test.dt)
-                segments += [replace(one, x=lifted(one.x)) for one in some] if plane else some
+                cycle_segments = _cycle_segments(step, rubber, test.dt)
+                if plane:
+                    cycle_segments = [replace(part, x=lifted(part.x)) for part in cycle_segments]
+                segments += cycle_segments
             case PlanePath():
-                segments += _turns(step, rubber, test.dt)
+                segments += _path_segments(step, rubber, test.dt)
             case Ramp():
                 segments.append(_ramp(step, rubber, test.dt, at))
             case Rest():
@@ -200,6 +218,7 @@ def build_segments(
     return segments
 
 
+REST_STEP = 10.0  # longest of the first steps of a rest through hours [s]
 CHUNK = 20_000  # steps between two looks at the progress bar and at Ctrl-C
 Progress = Callable[[int], None]
 
@@ -222,6 +241,7 @@ class History:
     mismatch: float = 0.0  # largest of the run [kN]
     steps: int = 0
     kept: int = 0
+    axial: Rows[AxialBooks] | None = None  # what an axial force does; a row for each kept one
 
 
 def room_for(
@@ -230,12 +250,12 @@ def room_for(
     """Return rows for the energy balance and the chosen groups; other groups have no columns."""
     vector = (components,) if components > 1 else ()
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
-    wide = {name: layers if name in groups else 0 for name in Kept._fields}
+    widths = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
         books=unset(Books, count, components=components),
-        rubber=np.empty((count, wide["rubber"])),
-        layer_displacement=np.empty((count, wide["layer_displacement"], *vector)),
-        hysteretic=np.empty((count, wide["hysteretic"], *vector)),
+        rubber=np.empty((count, widths["rubber"])),
+        layer_displacement=np.empty((count, widths["layer_displacement"], *vector)),
+        hysteretic=np.empty((count, widths["hysteretic"], *vector)),
         cells=np.empty((count, cells if "cells" in groups else 0), dtype=np.float32),
     )
 
@@ -255,16 +275,16 @@ def cut_rests(
     Returns the segment, which of its pieces are kept, and the piece that each step ends with.
     """
     longest = longest_rest_step(constants)
-    before = np.concatenate([np.reshape(start, (1, *segment.x.shape[1:])), segment.x[:-1]])
-    still = (segment.x == before).reshape(len(before), -1).all(axis=1)
+    start_positions = np.concatenate([np.reshape(start, (1, *segment.x.shape[1:])), segment.x[:-1]])
+    still = (segment.x == start_positions).reshape(len(start_positions), -1).all(axis=1)
     pieces = np.where(still, np.maximum(1.0, np.ceil(segment.dt / longest)), 1.0).astype(np.int64)
     ends = np.cumsum(pieces) - 1
     if len(ends) == ends[-1] + 1:
         return segment, keep, ends
-    kept = np.zeros(pieces.sum(), dtype=bool)
-    kept[ends] = keep
+    kept_pieces = np.zeros(pieces.sum(), dtype=bool)
+    kept_pieces[ends] = keep
     x, dt = np.repeat(segment.x, pieces, axis=0), np.repeat(segment.dt / pieces, pieces)
-    return replace(segment, x=x, dt=dt, cycle=np.repeat(segment.cycle, pieces)), kept, ends
+    return replace(segment, x=x, dt=dt, cycle=np.repeat(segment.cycle, pieces)), kept_pieces, ends
 
 
 def run_segments(
@@ -288,15 +308,15 @@ def run_segments(
     with the number of steps done since its last call.
     """
     # One row more per segment: a rest that settles early keeps the step at which it does.
-    room = 1 + sum(int(_kept_steps(part, keep_every).sum()) + 1 for part in segments)
+    capacity = 1 + sum(int(_kept_steps(part, keep_every).sum()) + 1 for part in segments)
     components = 1 if segments[0].x.ndim == 1 else 2
     initial = np.array(initial, dtype=np.float64)
     if len(initial) != len(constants.cells.capacity):  # compiled code would write past the end
         raise ValueError(f"{len(initial)} temperatures for {len(constants.cells.capacity)} cells")
     run = History(
-        rows=room_for(constants, room, groups, components),
-        segment=np.zeros(room, dtype=np.int32),
-        cycle=np.zeros(room, dtype=np.int32),
+        rows=room_for(constants, capacity, groups, components),
+        segment=np.zeros(capacity, dtype=np.int32),
+        cycle=np.zeros(capacity, dtype=np.int32),
         initial=initial,
         state=begin or new_state(constants, initial, initial_lead, components),
     )
@@ -320,6 +340,22 @@ def run_segments(
     return run
 
 
+def rest_in(
+    constants: Constants,
+    air: Ambient,
+    duration: float,
+    initial: Floats,
+    groups: tuple[str, ...] = (),
+) -> History:
+    """Return the rest of a bearing for some time [s] in air, in growing steps; it has not moved.
+
+    The cells begin at `initial`, the lead at the mean of the cells next to it [degC].
+    """
+    step = {"step": "rest", "duration": duration}
+    segments = build_segments(CyclicTest(dt=REST_STEP, steps=[step]), 1.0)
+    return run_segments(constants, segments, air, initial, groups=groups)
+
+
 def _run_segment(
     constants: Constants,
     run: History,
@@ -340,24 +376,27 @@ def _run_segment(
         dt = np.ascontiguousarray(segment.dt[part])
         means = ambient.means(run.state.books[0].clock, dt)
         path = Path(np.ascontiguousarray(segment.x[part]), dt, means, keep[part], segment.within)
-        room = run.rows.part(run.kept, len(run.segment))
-        found = run_path(constants, work, run.state, spare, path, room)
-        done, kept, outcome, softened, mismatch = found
-        run.steps += done
+        free_rows = run.rows.part(run.kept, len(run.segment))
+        steps_done, rows_kept, outcome, softened, mismatch = run_path(
+            constants, work, run.state, spare, path, free_rows
+        )
+        run.steps += steps_done
         run.softened_steps += softened
         run.mismatch = max(run.mismatch, mismatch)
-        run.segment[run.kept : run.kept + kept] = number
-        cycle = segment.cycle[part][:done][keep[part][:done]]
+        run.segment[run.kept : run.kept + rows_kept] = number
+        # A rest that settles early keeps one more row than `keep` says; it is in no cycle.
+        cycle = segment.cycle[part][:steps_done][keep[part][:steps_done]]
         run.cycle[run.kept : run.kept + len(cycle)] = cycle
-        run.kept += kept
+        run.kept += rows_kept
         if progress:
-            progress(int(np.diff(np.searchsorted(ends, [first, first + done]))[0]))
+            # Steps of the test count as progress, not the pieces that rests are cut into.
+            progress(int(np.diff(np.searchsorted(ends, [first, first + steps_done]))[0]))
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
             return False
         if not is_physical(constants, run.state, run.rows.books["recoverable"][0]):
             run.outcome = NOT_PHYSICAL
             return False
-        if done < len(dt):  # the rest settled
+        if steps_done < len(dt):  # the rest settled
             break
     return True

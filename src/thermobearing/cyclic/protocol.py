@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import RATIO, Name, Strict, in_unit, validated
 from thermobearing.border.units import number_list
@@ -34,29 +35,40 @@ def checked_history(
     try:
         time = number_list(times, "time [s]")
         displacement = number_list(displacements, "displacement [mm]")
-        other = None if across is None else number_list(across, "displacement across (y) [mm]")
+        displacement_y = (
+            None if across is None else number_list(across, "displacement across (y) [mm]")
+        )
     except InputError as error:
         raise InputError(error.problems, where) from None
     fault, gaps = "", np.diff(time)
     largest = max(1.0, float(np.abs(displacement).max())) if len(displacement) else 1.0
     if len(time) != len(displacement) or len(time) < 2:
-        fault = f"{len(time)} times and {len(displacement)} displacements; two equally long lists "
-        fault += "of at least 2 are needed"
-    elif other is not None and len(other) != len(time):
-        fault = f"{len(time)} times and displacements along x, but {len(other)} across (y); "
-        fault += "three equally long lists are needed"
+        fault = (
+            f"{len(time)} times and {len(displacement)} displacements; two equally long lists of "
+            "at least 2 are needed"
+        )
+    elif displacement_y is not None and len(displacement_y) != len(time):
+        fault = (
+            f"{len(time)} times and displacements along x, but {len(displacement_y)} across (y); "
+            "three equally long lists are needed"
+        )
     elif not (gaps > 0).all():
         k = int(np.argmin(gaps > 0))
-        fault = f"time does not increase from {time[k]:g} to {time[k + 1]:g} s "
-        fault += f"(rows {k + 1} and {k + 2} of the numbers)"
+        fault = (
+            f"time does not increase from {time[k]:g} to {time[k + 1]:g} s (rows {k + 1} and "
+            f"{k + 2} of the numbers)"
+        )
     else:
-        if other is not None:
-            displacement = np.column_stack([displacement, other])
-            largest = max(largest, float(np.abs(other).max()))
+        if displacement_y is not None:
+            displacement = np.column_stack([displacement, displacement_y])
+            largest = max(largest, float(np.abs(displacement_y).max()))
         if start is not None and distance(displacement[0], start) > START * largest:
-            fault = f"starts at {place_text(displacement[0])} mm but the bearing is at "
-            fault += f"{place_text(start)} mm; "
-            fault += "insert a ramp before it" if other is None else "subtract the offset"
+            # A ramp moves along x only: it does not reach a start off that axis.
+            cure = "insert a ramp before it" if displacement_y is None else "subtract the offset"
+            fault = (
+                f"starts at {place_text(displacement[0])} mm but the bearing is at "
+                f"{place_text(start)} mm; {cure}"
+            )
     if fault:
         raise InputError(fault, where)
     return gaps, displacement
@@ -67,9 +79,9 @@ def lengths(places: Floats) -> Floats:
     return np.abs(places) if places.ndim == 1 else np.hypot(*places.T)
 
 
-def distance(place: Any, other: Any = 0.0) -> float:
+def distance(place: Any, reference: Any = 0.0) -> float:
     """Return the distance between two places on a line or in a plane [mm]."""
-    return math.hypot(*np.atleast_1d(np.subtract(place, other)))
+    return math.hypot(*np.atleast_1d(np.subtract(place, reference)))
 
 
 def place_text(place: Any) -> str:
@@ -95,8 +107,8 @@ LARGEST_STRAIN = 5.0  # more is surely an error in a unit
 TINY = 1e-9
 
 
-def _exactly_one(given: dict[str, Any], *names: str) -> list[str]:
-    chosen = [name for name in names if name in given]
+def _exactly_one(values: dict[str, Any], *names: str) -> list[str]:
+    chosen = [name for name in names if name in values]
     if len(chosen) == 1:
         return []
     return [f"give exactly one of {', '.join(names)}; got {' and '.join(chosen) or 'none'}"]
@@ -120,9 +132,9 @@ class Cycles(Strict):
     closing_strain: Strain | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        amplitude = _exactly_one(given, "strain", "amplitude")
-        return amplitude + _exactly_one(given, "speed", "period", "frequency")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        amplitude = _exactly_one(values, "strain", "amplitude")
+        return amplitude + _exactly_one(values, "speed", "period", "frequency")
 
     def size(self, total_rubber_thickness: float) -> float:
         """Amplitude [mm]."""
@@ -132,6 +144,7 @@ class Cycles(Strict):
         """Duration of a quarter of the cycles, and of the closing cycle if there is one [s]."""
         sizes = [self.size(total_rubber_thickness)]
         period = self.period or (1.0 / self.frequency if self.frequency else None)
+        # The closing cycle has the speed of the others, not their period.
         speed = (self.speed or 1.0) if period is None else 4.0 * sizes[0] / period
         if self.closing_strain is not None:
             sizes.append(self.closing_strain * total_rubber_thickness)
@@ -170,11 +183,11 @@ class PlanePath(Strict):
     ramp: Seconds | None = None  # duration of each ramp; a quarter of a turn if not given
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        faults = _exactly_one(given, "strain", "amplitude")
-        faults += _exactly_one(given, "speed", "period", "frequency")
-        if "ratio" in given and given.get("path") in ("circle", "spiral"):
-            faults.append(f"ratio: a {given['path']} has none; use an ellipse")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        faults = _exactly_one(values, "strain", "amplitude")
+        faults += _exactly_one(values, "speed", "period", "frequency")
+        if "ratio" in values and values.get("path") in ("circle", "spiral"):
+            faults.append(f"ratio: a {values['path']} has none; use an ellipse")
         return faults
 
     def size(self, total_rubber_thickness: float) -> float:
@@ -186,6 +199,7 @@ class PlanePath(Strict):
         if self.speed is None:
             return self.period or 1.0 / (self.frequency or 1.0)
         points = self.size(total_rubber_thickness) * self.points(FINE)
+        # The mean of all turns: those of a spiral differ in length.
         return float(lengths(np.diff(points, axis=0)).sum()) / self.speed / self.count
 
     def ramp_duration(self, total_rubber_thickness: float) -> float:
@@ -210,10 +224,11 @@ class PlanePath(Strict):
                 waves = np.sin(angle), np.sin(2.0 * angle)
             turn = np.column_stack(waves)
         turn[:, 1] *= ACROSS.get(self.path, 1.0) if self.ratio is None else self.ratio
-        found = np.concatenate([np.tile(turn, (self.count, 1)), turn[:1]])
+        # `turn` lacks its last point, which is the first one of the next turn.
+        turns = np.concatenate([np.tile(turn, (self.count, 1)), turn[:1]])
         if self.path == "spiral":
-            found *= np.linspace(0.0, 1.0, len(found))[:, np.newaxis]
-        return np.asarray(found)
+            turns *= np.linspace(0.0, 1.0, len(turns))[:, np.newaxis]
+        return np.asarray(turns)
 
 
 class Ramp(Strict):
@@ -226,8 +241,8 @@ class Ramp(Strict):
     duration: Seconds | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        return _exactly_one(given, "to_strain", "to") + _exactly_one(given, "speed", "duration")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        return _exactly_one(values, "to_strain", "to") + _exactly_one(values, "speed", "duration")
 
     def target(self, total_rubber_thickness: float) -> float:
         """Return the displacement at the end [mm]."""
@@ -246,8 +261,8 @@ class Rest(Strict):
     within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        return _exactly_one(given, "duration", "within")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        return _exactly_one(values, "duration", "within")
 
     @property
     def span(self) -> float:
@@ -260,6 +275,7 @@ class Rest(Strict):
 
     def _steps(self, dt: float) -> float:
         """Return the number of steps, or a few more: those that grow, and those that do not."""
+        # Steps grow as a geometric series from the shortest to the longest; the others are equal.
         longest, shortest = self.longest_step(dt), min(dt, self.span, REST_START)
         return math.log(longest / shortest) / math.log(REST_GROWTH) + self.span / longest + 2.0
 
@@ -283,13 +299,13 @@ class Recorded(Strict):
     displacement_y_mm: Annotated[tuple[Place, ...], Field(max_length=MAX_STEPS)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        lists = {"time_s", "displacement_mm"} & set(given)
-        if ("file" in given) == bool(lists) or len(lists) == 1:
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        lists = {"time_s", "displacement_mm"} & set(values)
+        if ("file" in values) == bool(lists) or len(lists) == 1:
             return ["give either file, or both time_s and displacement_mm"]
-        if "column_y" in given and "file" not in given:
+        if "column_y" in values and "file" not in values:
             return ["column_y is the title of a column of file; give displacement_y_mm with lists"]
-        if "displacement_y_mm" in given and "file" in given:
+        if "displacement_y_mm" in values and "file" in values:
             return ["displacement_y_mm goes with lists; give column_y with file"]
         return []
 
@@ -362,6 +378,7 @@ def _step_faults(
     origin = np.zeros(2) if plane else 0.0
     match step:
         case Cycles():
+            # An estimate for the limit of steps: the test rounds each quarter up to whole steps.
             parts = zip((step.count, 1), step.quarters(rubber), strict=False)
             steps = sum(4.0 * n * max(FEWEST_STEPS, quarter / dt) for n, quarter in parts)
             end, peak = origin, step.size(rubber)
@@ -382,6 +399,7 @@ def _step_faults(
             try:
                 gaps, x, _ = step.points(at)
             except InputError as error:
+                # It is not known where the recording ends, so no start of the next step is checked.
                 return 0.0, None, error.lines()
             if plane and x.ndim == 1:
                 x = lifted(x)
@@ -411,9 +429,9 @@ def survey(
     faults, total, plane = [], 0.0, test.in_plane
     at: float | Floats | None = lifted(start) if plane and np.ndim(start) == 0 else start
     for number, step in enumerate(test.steps):
-        steps, at, found = _step_faults(step, test.dt, total_rubber_thickness, at, plane)
+        steps, at, step_faults = _step_faults(step, test.dt, total_rubber_thickness, at, plane)
         total += steps
-        faults += [f"steps[{number}]: {fault}" for fault in found]
+        faults += [f"steps[{number}]: {fault}" for fault in step_faults]
     cycles = sum(step.count for step in test.steps if isinstance(step, Cycles | PlanePath))
     if cycles > MAX_CYCLES:
         faults.append(f"has {cycles} cycles; the limit for one test is {MAX_CYCLES}")
@@ -428,15 +446,16 @@ def survey(
 SPEED = 30.0  # of Table 3.4, mean [mm/s]
 
 
-class _Repeated(Strict):
+class _TestArguments(Strict):
     """Arguments of `cyclic_test` under other names than the keys of its steps."""
 
     cycles: Count
     rest: Seconds | None
 
 
+@checked
 def cyclic_test(
-    strain: list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
+    strain: float | list[float] | tuple[float, ...] = (0.5, 1.0, 1.5, 2.0, 2.5),
     *,
     cycles: int = 5,
     wave: Wave = "triangular",
@@ -485,7 +504,7 @@ def cyclic_test(
     if not levels:
         raise InputError("strain: give at least one amplitude", "cyclic_test()")
     repeated = {"cycles": cycles, "rest": rest}
-    validated(_Repeated, repeated, "cyclic_test()", from_file=False)  # even without any rest
+    validated(_TestArguments, repeated, "cyclic_test()", from_file=False)  # even without any rest
     rates = {"speed": speed, "frequency": frequency, "period": period}
     rate = {key: value for key, value in rates.items() if value is not None} or {"speed": SPEED}
     common = {"step": "cycles", "wave": wave, "closing_strain": closing_strain}
@@ -498,7 +517,8 @@ def cyclic_test(
         if steps and rest is not None:
             steps.append({"step": "rest", "duration": rest})
         steps.append({"strain": level, "count": cycles, **common, **rate})
-    printed = (levels, cycles, rate) == ([0.5, 1.0, 1.5, 2.0, 2.5], 5, {"speed": SPEED}) and rest
-    printed = printed and path is None
-    data = {"name": "Table 3.4" if printed else "cyclic test", "dt": dt, "steps": steps}
+    published_rate = {"speed": SPEED}
+    as_published = levels == [0.5, 1.0, 1.5, 2.0, 2.5] and cycles == 5 and rate == published_rate
+    as_published = as_published and bool(rest) and path is None
+    data = {"name": "Table 3.4" if as_published else "cyclic test", "dt": dt, "steps": steps}
     return validated(CyclicTest, data, "cyclic_test()", from_file=False)

@@ -9,21 +9,10 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.lazy import pd
-from thermobearing.border.library import data_path
-from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import RIGS, Analysis, Rig
 from thermobearing.cyclic.dataset import written_part
-from thermobearing.cyclic.figures import ORBITS, TimeAxis, drawn_layers
-from thermobearing.cyclic.reported import (
-    analysis_table,
-    bearing_tables,
-    bearing_words,
-    early_end,
-    model_assumptions,
-    residual_rows,
-    result_checks,
-)
+from thermobearing.cyclic.figures import ORBITS, TimeAxis
 from thermobearing.cyclic.result import Result
 from thermobearing.cyclic.tables import (
     cycles_table,
@@ -34,10 +23,28 @@ from thermobearing.cyclic.tables import (
 )
 from thermobearing.quantities.governing import largest_by, place_of_least
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import (
+    change,
+    counted,
+    degrees,
+    joined,
+    number,
+    percent,
+    quantity,
+)
 from thermobearing.report import content
 from thermobearing.report.content import RIG, TESTED_RANGE, TESTS, input_table
+from thermobearing.report.figures import blank_panel, plot_from_axes
 from thermobearing.report.pieces import Pieces, Plot, ReportFigure, Trace
-from thermobearing.report.words import change, counted, degrees, joined, number, percent, quantity
+from thermobearing.reported import (
+    analysis_table,
+    bearing_tables,
+    bearing_words,
+    early_end,
+    model_assumptions,
+    residual_rows,
+    result_checks,
+)
 from thermobearing.results import drawing
 from thermobearing.results.time_axis import duration
 
@@ -58,7 +65,7 @@ def build_pieces(result: Result) -> Pieces:
     tables |= {"cold": table} if (table := ratio_table(result)) else {}
     if len(rises := warming(result)):
         tables["warming"] = make_table(rises, caption="Warming during the test", keys=2)
-    known = case["bearing"].get("tested_range") is not None
+    range_given = case["bearing"].get("tested_range") is not None
     return content.build_pieces(
         "cyclic",
         f"Cyclic test of {data.attrs['bearing']}",
@@ -75,27 +82,27 @@ def build_pieces(result: Result) -> Pieces:
             *_start(case),
             *model_assumptions(case["analysis"], [case["bearing"]], plane=result.in_plane),
         ],
-        **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=known),
+        **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=range_given),
     )
 
 
 def words_of_test(test: Case) -> str:
     """Return the steps of a test of a resolved case in words."""
     moving = [step for step in test["steps"] if step["step"] != "rest"]
-    found = [_alike_words(list(same)) for _, same in groupby(moving, key=_alike)]
+    phrases = [_words_of_group(list(same)) for _, same in groupby(moving, key=_group_key)]
     if rests := [step for step in test["steps"] if step["step"] == "rest"]:
-        found.append(f"{counted(len(rests), 'rest') if found else 'rest'} ({_course(rests)})")
-    return joined(found)
+        phrases.append(f"{counted(len(rests), 'rest') if phrases else 'rest'} ({_course(rests)})")
+    return joined(phrases)
 
 
-def _alike(step: Step) -> tuple[str, ...]:
+def _group_key(step: Step) -> tuple[str, ...]:
     """Return what steps have in common that are described together."""
     if step["step"] not in LOADINGS:
         return (str(step["step"]),)
     return (str(step["step"]), str(step["count"]), _course([step]))
 
 
-def _alike_words(steps: Sequence[Step]) -> str:
+def _words_of_group(steps: Sequence[Step]) -> str:
     first, sizes = steps[0], joined(_size(step) for step in steps)
     if first["step"] == "ramp":
         return f"{counted(len(steps), 'ramp')} to {sizes}"
@@ -104,37 +111,40 @@ def _alike_words(steps: Sequence[Step]) -> str:
     if all(step.get("strain") is not None for step in steps):
         strains = joined(f"{100.0 * float(step['strain']):g}" for step in steps)
         sizes = f"{strains} % shear strain"
-    each = " each" if len(steps) > 1 else ""
-    what = "cycle" if first["step"] == "cycles" else "turn"
-    return f"{counted(int(first['count']), what)}{each} of {sizes} ({_course([first])})"
+    suffix = " each" if len(steps) > 1 else ""
+    unit = "cycle" if first["step"] == "cycles" else "turn"
+    return f"{counted(int(first['count']), unit)}{suffix} of {sizes} ({_course([first])})"
 
 
 def _size(step: Step) -> str:
     """Return the strain or displacement of a step; nothing of a rest or a recording."""
-    strain, way = step.get("strain", step.get("to_strain")), step.get("amplitude", step.get("to"))
-    return percent(float(strain)) if strain is not None else "" if way is None else quantity(way)
+    strain = step.get("strain", step.get("to_strain"))
+    displacement = step.get("amplitude", step.get("to"))
+    if strain is not None:
+        return percent(float(strain))
+    return "" if displacement is None else quantity(displacement)
 
 
 def _course(steps: Sequence[Step]) -> str:
     """Return how steps of one kind go: wave and rate, speed, durations, names of files."""
-    found = []
+    courses = []
     for step in steps:
         rates = (("speed", "mean speed "), ("period", "period "), ("frequency", ""))
         match step["step"]:
             case "cycles" | "path":
                 key, words = next(pair for pair in rates if step.get(pair[0]) is not None)
                 shape = step.get("wave") or step["path"]
-                found.append(f"{shape}, {words}{quantity(step[key])}")
+                courses.append(f"{shape}, {words}{quantity(step[key])}")
             case "ramp":
-                found.append(quantity(step.get("speed") or step["duration"]))
+                courses.append(quantity(step.get("speed") or step["duration"]))
             case "rest" if step.get("duration") is not None:
-                found.append(duration(float(str(step["duration"]).split()[0])))
+                courses.append(duration(float(str(step["duration"]).split()[0])))
             case "rest":
-                found.append(f"until within {quantity(step['within'])} of the ambient")
+                courses.append(f"until within {quantity(step['within'])} of the ambient")
             case _:
                 file = step.get("file")
-                found.append(Path(str(file)).name if file else "a history given in Python")
-    return joined(dict.fromkeys(found), "or")
+                courses.append(Path(str(file)).name if file else "a history given in Python")
+    return joined(dict.fromkeys(courses), "or")
 
 
 def _table_of_test(test: Case) -> Table:
@@ -147,11 +157,14 @@ def _table_of_test(test: Case) -> Table:
             row["cycles"] = str(step["count"])
             row["closing_cycle"] = percent(float(closing)) if closing is not None else "none"
         rows.append(row)
-    note = f"Largest time step {quantity(test['dt'])}. Sizes are shear strains of the total rubber "
-    note += "thickness, or displacements."
-    if left := len(test["steps"]) - len(rows):
-        note += f" {counted(left, 'more step')}: see case.resolved.toml."
-    return make_table(pd.DataFrame(rows), caption=f"Test: {test.get('name', 'test')}", note=note)
+    notes = [
+        f"Largest time step {quantity(test['dt'])}. Sizes are shear strains, or displacements in "
+        "mm."
+    ]
+    if omitted := len(test["steps"]) - len(rows):
+        notes.append(f"{counted(omitted, 'more step')}: see case.resolved.toml.")
+    caption = f"Test: {test.get('name', 'test')}"
+    return make_table(pd.DataFrame(rows), caption=caption, note=" ".join(notes))
 
 
 def _question(result: Result, case: Case) -> str:
@@ -193,7 +206,7 @@ def _peaks(result: Result) -> list[tuple[float, float, float]]:
 def _governing(result: Result, rows: "pd.DataFrame", largest: float) -> str:
     """Return stiffness and force in the last cycle of the largest amplitude."""
     last = rows.groupby("ambient_degC", sort=False).last().reset_index()
-    each = [
+    moduli = [
         f"{row['G_eq_MPa']:.3f} MPa at {degrees([row['ambient_degC']])} (h_eq {row['h_eq']:.3f}, "
         f"{KJ * row['energy_kN_mm']:.2f} kJ a cycle)"
         for row in last.to_dict("records")
@@ -201,19 +214,19 @@ def _governing(result: Result, rows: "pd.DataFrame", largest: float) -> str:
     ambient, force, _ = largest_by(_peaks(result), lambda peak: peak[1])
     return (
         f"At {percent(largest)} shear strain the equivalent shear modulus G_e of the last cycle is "
-        f"{joined(each)}; the largest force is {number(force)} kN, at {degrees([ambient])}."
+        f"{joined(moduli)}; the largest force is {number(force)} kN, at {degrees([ambient])}."
     )
 
 
 def _changes(result: Result, rows: "pd.DataFrame") -> str:
     """Return what the cold changes at the largest amplitude, and what the test's own heat does."""
     groups = rows.groupby("ambient_degC")
-    first, last, found = groups.first(), groups.last(), []
+    first, last, clauses = groups.first(), groups.last(), []
     if len(last) > 1:
         cold, warm = last.index.min(), last.index.max()
         stiffer = float(last["G_eq_MPa"][cold] / last["G_eq_MPa"][warm])
         energy = float(last["energy_kN_mm"][cold] / last["energy_kN_mm"][warm])
-        found.append(
+        clauses.append(
             f"At {degrees([cold])}, compared with {degrees([warm])}, the modulus is "
             f"{change(stiffer, 'higher', 'lower')} and the energy of a cycle "
             f"{change(energy, 'higher', 'lower')}"
@@ -227,78 +240,90 @@ def _changes(result: Result, rows: "pd.DataFrame") -> str:
             f"the modulus of the last cycle of that strain is {fall} than that of its first "
             f"({ambient})"
         )
-    found += [", and ".join(heated)] if heated else []
-    sentence = "; ".join(found)
+    clauses += [", and ".join(heated)] if heated else []
+    sentence = "; ".join(clauses)
     return f"{sentence[:1].upper()}{sentence[1:]}." if sentence else "One cycle at one temperature."
 
 
 def _warmest(result: Result) -> str:
-    rises, found = warming(result), []
+    rises, phrases = warming(result), []
     if not len(rises):
         return ""
     lead = rises["part"] == "lead"
-    for name, mine in (("rubber", rises[~lead]), ("lead", rises[lead])):
-        if len(mine):
-            rise, ambient = max(zip(mine["rise_K"], mine["ambient_degC"], strict=True))
-            found.append(f"the {name} by up to {rise:.1f} K ({degrees([ambient])})")
-    return joined(found)
+    for name, part_rises in (("rubber", rises[~lead]), ("lead", rises[lead])):
+        if len(part_rises):
+            rise, ambient = max(zip(part_rises["rise_K"], part_rises["ambient_degC"], strict=True))
+            phrases.append(f"the {name} by up to {rise:.1f} K ({degrees([ambient])})")
+    return joined(phrases)
 
 
 def _input_tables(result: Result, case: Case) -> dict[str, Table]:
     sources = case.get("sources", {})
-    own = sources.get(result.dataset.attrs["bearing"])
-    found = {"test": _table_of_test(case["test"]), **bearing_tables(case["bearing"], own)}
+    bearing_sources = sources.get(result.dataset.attrs["bearing"])
+    tables = {
+        "test": _table_of_test(case["test"]),
+        **bearing_tables(case["bearing"], bearing_sources),
+    }
     starts = ("ambient", "ambient_series", "initial", "initial_lead")
     temperatures = {key: case[key] for key in starts if key in case}
-    found["temperatures"] = input_table("Temperatures", temperatures, otherwise="input")
+    tables["temperatures"] = input_table("Temperatures", temperatures, otherwise="input")
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
-    found["analysis"] = analysis_table(case["analysis"], Analysis())
-    return found
+        tables["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
+    tables["analysis"] = analysis_table(case["analysis"], Analysis())
+    return tables
 
 
-def rig_table(rig: Case, own: Mapping[str, str] | None = None) -> Table:
+def rig_table(rig: Case, file_sources: Mapping[str, str] | None = None) -> Table:
     """Return the limits of a rig of a resolved case; `own` are the sources of its file, by key."""
     limits = {key: rig[key] for key in RIG if key in rig}
-    about = [str(rig[key]).rstrip(".") + "." for key in ("description", "citation") if rig.get(key)]
-    given = RIGS.sources(Rig, rig) | dict(own or {})
-    sources = {f"rig.{key}": text for key, text in given.items()}
-    title, note = f"Rig: {rig.get('name', 'rig')}", " ".join(about)
+    texts = [str(rig[key]).rstrip(".") + "." for key in ("description", "citation") if rig.get(key)]
+    rig_sources = RIGS.sources(Rig, rig) | dict(file_sources or {})
+    sources = {f"rig.{key}": text for key, text in rig_sources.items()}
+    title, note = f"Rig: {rig.get('name', 'rig')}", " ".join(texts)
     return input_table(title, {"rig": limits}, sources, otherwise="not stated", note=note)
 
 
 def _start(case: Case) -> list[str]:
-    begins = "at the ambient temperature throughout"
+    start = "at the ambient temperature throughout"
     if "initial_state" in case:
-        begins = "in the final state of an earlier test, including its history"
+        start = "in the final state of an earlier test, including its history"
     elif "initial_profile" in case:
-        begins = "with a given temperature in each cell"
+        start = "with a given temperature in each cell"
+    elif "conditioned" in case:
+        start = (
+            f"at the temperatures that the soaking model has after {quantity(case['conditioned'])} "
+            f"in the chamber, from {quantity(case['before'])}"
+        )
     elif "initial" in case:
-        begins = f"at {quantity(case['initial'])} throughout"
+        start = f"at {quantity(case['initial'])} throughout"
     series = "follows the series" if "ambient_series" in case else "is constant"
     return [
-        f"The bearing starts {begins}. The ambient temperature {series}.",
+        f"The bearing starts {start}. The ambient temperature {series}.",
         "Displacements are imposed exactly; inertia is neglected.",
     ]
 
 
 def _figures(result: Result) -> dict[str, ReportFigure]:
     """Return the figures that the result holds data for; most can be zoomed."""
-    absent, captions = result.plot.absent(), read_toml(data_path("reports", "cyclic_figures.toml"))
-    plots = {"loops": _loops_plot, "orbit": _orbit_plot, "layer_temperatures": _temperature_plot}
-    plots["profiles"] = _profile_plot
+    absent, captions = result.plot.absent(), content.figure_captions("cyclic")
+    plots = {
+        "loops": _loops_plot,
+        "orbit": _orbit_plot,
+        "layer_temperatures": _temperature_plot,
+        "profiles": _profile_plot,
+    }
     peaks = "; ".join(
         f"at {degrees([float(ambient)])} up to {np.nanmax(np.abs(stress)):.2f} MPa and {strain:.0%}"
         for (ambient, _, strain), stress in zip(
             _peaks(result), result.magnitude("stress"), strict=True
         )
     )
-    spoken = {"loops": f"Hysteresis loops: {peaks}.".replace("%", " %")}
+    alternatives = {"loops": f"Hysteresis loops: {peaks}.".replace("%", " %")}
     return {
         name: ReportFigure(
             caption,
             draw=getattr(result.plot, name),
-            alt=spoken.get(name, caption),
+            alt=alternatives.get(name, caption),
             plot=plots[name](result) if name in plots else None,
         )
         for name, caption in captions.items()
@@ -315,52 +340,40 @@ def _runs(result: Result) -> list[tuple[int, str, str]]:
 
 
 def _loops_plot(result: Result) -> Plot:
-    traces = []
-    for run, name, colour in _runs(result):
-        x, y = result.plot.path(run)
-        traces.append(Trace(name, x, y, colour))
-    end = 100.0 * min(result.tested_to(run, "strain") for run in range(len(traces)))
-    reach = max((float(np.nanmax(np.abs(trace.x))) for trace in traces if len(trace.x)), default=0)
-    sides = ((end, 1.05 * reach), (-1.05 * reach, -end)) if end < reach else ()
-    bands = [(*side, "outside calibration range") for side in sides]
-    return Plot("shear strain [%]", "shear stress [MPa]", {"all": traces}, bands=bands)
+    ax = blank_panel()
+    result.plot.loops(ax)
+    end = 100.0 * min(result.tested_to(run, "strain") for run in range(len(ax.lines)))
+    drawing.shade_untested([ax], [(-end, end)], note=False)
+    return plot_from_axes({"all": ax})
 
 
 def _orbit_plot(result: Result) -> Plot:
     """Return the paths in the plane, a menu entry for the displacement and one for the force."""
-    choices: dict[str, list[Trace]] = {}
-    for name, unit in ORBITS:
-        for run, title, colour in _runs(result):
-            x, y = result.plot.plane_path(run, name)
-            choices.setdefault(f"{name} [{unit}]", []).append(Trace(title, x, y, colour))
-    return Plot("component along x", "component across (y)", choices, equal=True)
+    return plot_from_axes(dict(zip(dict(ORBITS), result.plot.orbit().axes, strict=True)))
 
 
 def _temperature_plot(result: Result) -> Plot:
     """Return temperatures of layers and lead by ambient temperature, without long rests."""
-    data = result.dataset
-    groups = drawn_layers(result)
-    colours = drawing.ordered_colours(len(groups), "plasma")
-    rubber, time = data["rubber_temperature"].values, TimeAxis(result, cut=True)
-    choices: dict[str, list[Trace]] = {}
-    lines = [
-        (name, rubber[:, :, j], c, "line") for (name, j), c in zip(groups, colours, strict=True)
-    ]
+    time, lines, panels = TimeAxis(result, cut=True), result.plot.layer_lines(), {}
     if result.has_lead:
-        lines.append(("lead", data["lead_temperature"].values, drawing.INK, "dashed"))
-    for run, ambient, _ in _runs(result):
-        choices[ambient] = []
-        for name, values, colour, look in lines:
-            x, y = time.trace(run, values[run])
-            choices[ambient].append(Trace(name, x / time.unit, y, colour, look))
+        look = {"color": drawing.INK, "linestyle": "--", "label": "lead"}
+        lines.append((result.dataset["lead_temperature"].values, look))
     cut = ", long rests cut out" if time.shortened else ""
-    return Plot(f"time{cut} [{time.unit_name}]", "temperature [°C]", choices)
+    for run, ambient, _ in _runs(result):
+        panels[ambient] = ax = blank_panel()
+        for values, look in lines:
+            place, temperature = time.trace(run, values[run])
+            ax.plot(place / time.unit, temperature, **look)
+        drawing.name_axes(ax, f"time{cut} [{time.unit_name}]", "temperature [°C]")
+    return plot_from_axes(panels)
 
 
 def _profile_plot(result: Result) -> Plot:
     """Return the temperature through the height, moved through the test by a slider."""
     depth, time = result.dataset["depth"].values, TimeAxis(result)
     clock: Floats = time.times[time.farthest]
+    # All runs are shown at the moments of the one that got farthest; one that ended early keeps
+    # its last temperatures.
     rows = np.linspace(0, len(clock) - 1, min(MOMENTS, len(clock))).round().astype(int)
     moments, traces = clock[np.unique(rows)], []
     for run, name, colour in _runs(result):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.quantities.register import Quantity, quantity
@@ -15,6 +16,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
 from thermobearing.results.metrics import energy_balance, find_cycles, loop_energy, measure_cycle
+from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.sums import sum_of_products
 from thermobearing.results.writing import (
@@ -30,10 +32,13 @@ COMPONENT = "component"  # dimension of displacements and forces in a plane
 AT_PEAK = 1.0 - 1e-6  # of the largest displacement in a plane: a circle has many of them
 BALANCE = ("work_in", "heat_released", "recoverable", "heat_lost_ends", "heat_lost_sides")
 CSV_BLOCK = 50_000  # rows formatted at a time
+SMALL_MISMATCH = 1e-3  # of the peak force: smaller differences of layers are not mentioned
 # Heads of a history and names in its dataset; those of layers are after them.
 HEADS = {
-    **{"displacement_mm": "displacement", "force_kN": "force"},
-    **{"stress_MPa": "stress", "strain": "strain"},
+    "displacement_mm": "displacement",
+    "force_kN": "force",
+    "stress_MPa": "stress",
+    "strain": "strain",
 }
 
 
@@ -50,6 +55,7 @@ def column_quantity(name: str) -> Quantity:
     return quantity(name)
 
 
+@checked
 class Result(DatasetResult):
     """Outcome of an analysis at one or several ambient temperatures.
 
@@ -76,14 +82,14 @@ class Result(DatasetResult):
     compared: Mapping[str, "Result"] = {}
 
     def __init__(self, dataset: "xr.Dataset | Callable[[], xr.Dataset]") -> None:
-        self._given = dataset
+        self._source = dataset
 
     @cached_property
     def dataset(self) -> "xr.Dataset":
         """Histories and provenance."""
-        found = self._given() if callable(self._given) else self._given
-        self._given = found  # releases the runs that it was made of
-        return found
+        labelled = self._source() if callable(self._source) else self._source
+        self._source = labelled  # releases the runs that it was made of
+        return labelled
 
     @property
     def headline(self) -> str:
@@ -122,8 +128,8 @@ class Result(DatasetResult):
         runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
         chosen = selected(data, "ambient", runs, [run_name(t) for t in data["ambient"].values])
         if CYCLES in chosen.dims:
-            mine = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
-            chosen = chosen.isel({CYCLES: np.flatnonzero(mine)})
+            in_selection = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
+            chosen = chosen.isel({CYCLES: np.flatnonzero(in_selection)})
         return Result(chosen)
 
     def to_dataset(self) -> "xr.Dataset":
@@ -142,16 +148,16 @@ class Result(DatasetResult):
         if not len(self.cycles):
             return xr.Dataset()
         short = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
-        about = {short.get(n, n): column_quantity(n).attributes for n in map(str, self.cycles)}
+        attributes = {short.get(n, n): column_quantity(n).attributes for n in map(str, self.cycles)}
         table, labels = self.cycles.rename(columns=short), ["ambient", "strain", "cycle"]
         recorded = any(segment["kind"] == "recorded" for segment in self.segments)
         if recorded or table.duplicated(labels).any():
             table["number"] = table.groupby("ambient").cumcount() + 1
             labels = ["ambient", "number"]
-        found = table.set_index(labels).to_xarray()
-        for name in found.variables:
-            found[name].attrs |= about.get(str(name), {"units": "1"})
-        return found
+        dataset = table.set_index(labels).to_xarray()
+        for name in dataset.variables:
+            dataset[name].attrs |= attributes.get(str(name), {"units": "1"})
+        return dataset
 
     @cached_property
     def segments(self) -> list[dict[str, Any]]:
@@ -165,6 +171,7 @@ class Result(DatasetResult):
 
     def tested_to(self, run: int, limit: str) -> float:
         """Return the largest tested value of a quantity that a run exceeds; else infinity."""
+        self._check_run(run, "ambient")
         return self.largest_tested(run_name(float(self.dataset["ambient"].values[run])), limit)
 
     @property
@@ -174,11 +181,12 @@ class Result(DatasetResult):
 
     def magnitude(self, name: str) -> Floats:
         """Return the size of a displacement, force, strain or stress, [ambient, time]."""
-        values: Floats = self.dataset[name].values
+        values: Floats = self[name].values
         return np.linalg.norm(values, axis=-1) if self.in_plane else np.abs(values)
 
     def time(self, run: int) -> Floats:
         """Return the times of the kept steps of a run [s]."""
+        self._check_run(run, "ambient")
         if "clock" in self.dataset:
             return np.asarray(self.dataset["clock"].values[run])
         return np.asarray(self.dataset["time"].values)
@@ -201,9 +209,14 @@ class Result(DatasetResult):
                 numbers = np.arange(1, int(cycle[end - 1]) + 2)
                 ends = first + np.searchsorted(cycle[first:end], numbers)
                 for k, (a, b) in enumerate(pairwise(ends.tolist()), 1):
-                    back = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
-                    ended = a < b and (completed or b < parts[-1])
-                    if back if kind == "cycles" else ended:  # else cut off on its way
+                    # The last cycle of a run that ended early may be cut off on its way. One on a
+                    # line is closed when it is back at zero from the negative side; a turn in the
+                    # plane, when something follows it.
+                    if kind == "cycles":
+                        closed = a < b and x[b - 1] == 0.0 and x[a:b].min() < 0.0
+                    else:
+                        closed = a < b and (completed or b < parts[-1])
+                    if closed:
                         yield number, k, slice(a - 1, b)
 
     @cached_property
@@ -225,18 +238,20 @@ class Result(DatasetResult):
         for run, ambient in enumerate(data["ambient"].values):
             for number, k, where in self._cycle_rows(run):
                 last = where.stop - 1
-                done = float(work[run, last] - work[run, where.start])  # in all steps
-                about = self.segments[number]
-                imposed = about["amplitude_strain"] if about["kind"] != "recorded" else None
+                energy = float(work[run, last] - work[run, where.start])  # in all steps
+                step = self.segments[number]
+                imposed = step["amplitude_strain"] if step["kind"] != "recorded" else None
                 row = {"ambient_degC": float(ambient), "amplitude_strain": imposed, "cycle": k}
                 if self.in_plane:
-                    row |= _plane_measures(x[run, where], f[run, where], done)
+                    row |= _plane_measures(x[run, where], f[run, where], energy)
                     largest = row.pop("amplitude_mm")
                     row["G_eq_MPa"] = row["K_eq_kN_mm"] * rubber * stress
                     row["stress_max_MPa"] = row["peak_force_kN"] * stress
+                    if "local_strain" in data:  # not in files of earlier versions
+                        row["local_strain"] = float(data["local_strain"].values[run, where].max())
                 else:
                     size = {"area": area, "total_rubber_thickness": rubber}
-                    m = measure_cycle(x[run, where], f[run, where], **size, work=done)
+                    m = measure_cycle(x[run, where], f[run, where], **size, work=energy)
                     largest = m.amplitude_mm
                     row |= {
                         "G_eq_MPa": m.G_eq_MPa,
@@ -278,8 +293,10 @@ class Result(DatasetResult):
                 float(data[name].values[run, last]) for name in BALANCE
             )
             elastic -= float(data["recoverable"].values[run, 0])  # of an earlier test
-            warmer = data["final_temperature"].values[run] - data["initial_temperature"].values[run]
-            stored = sum_of_products(capacity, warmer)
+            temperature_rise = (
+                data["final_temperature"].values[run] - data["initial_temperature"].values[run]
+            )
+            stored = sum_of_products(capacity, temperature_rise)
             if self.has_lead:
                 lead = data["lead_temperature"].values[run]
                 stored += lead_capacity * (float(lead[last]) - float(lead[0]))
@@ -293,26 +310,40 @@ class Result(DatasetResult):
         """Return tables for readers: cycles, energy balance, and other models if they were run."""
         return dict(self._view("tables").result_tables(self))
 
+    def show_briefly(self) -> None:
+        """Print title, warnings and the cycle that standards measure; a short test as `show`."""
+        table = self._view("tables").measured_cycle_table(self)
+        if table is None:
+            self.show()
+            return
+        say(self.headline, "bold")
+        print_warnings(self.warnings)
+        show_table(table)
+
     def notes(self) -> list[str]:
         """Return sentences on softened layers and on other models that ended early."""
-        data, found = self.dataset, []
-        names = ("ambient", "steps", "softened_steps", "layer_force_mismatch_max")
-        for ambient, steps, softened, most in zip(*(data[n].values for n in names), strict=True):
-            if softened:
-                missing = quantity("layer_force_mismatch_max", form=".3g").text(most)
-                found.append(
-                    f"{ambient:g} degC: softened layers in {softened} of {steps} steps, layer law "
-                    f"at most {missing} kN from the force"
+        data, sentences = self.dataset, []
+        names = ("ambient", "force", "softened_steps", "layer_force_mismatch_max")
+        for ambient, force, softened, mismatch in zip(
+            *(data[n].values for n in names), strict=True
+        ):
+            peak = float(np.nanmax(np.abs(force), initial=0.0))
+            if softened and mismatch > SMALL_MISMATCH * peak:
+                missing = quantity("layer_force_mismatch_max", form=".2g").text(mismatch)
+                sentences.append(
+                    f"at {ambient:g} degC: force error of at mismatch {missing} kN "
+                    f"({100.0 * mismatch / peak:.1f} % of the peak) where the published law softens"
                 )
-        for name, other in self.compared.items():
-            outcomes = zip(other["ambient"].values, other["outcome"].values, strict=True)
-            found += [
-                f"{name} at {ambient:g} degC ended early: {end}; its errors refer to the time "
-                "before"
+        for name, model_result in self.compared.items():
+            outcomes = zip(
+                model_result["ambient"].values, model_result["outcome"].values, strict=True
+            )
+            sentences += [
+                f"{name} at {ambient:g} degC ended early ({end}); its errors are those until then"
                 for ambient, end in outcomes
                 if end != "completed"
             ]
-        return found
+        return sentences
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json; see docs/files.md."""
@@ -369,11 +400,11 @@ def _plane_measures(x: Floats, f: Floats, work: float) -> dict[str, float]:
     mean where the path has many largest ones). The damping ratio is the work [kN mm] over 4 pi
     times the elastic energy at the largest displacement, as on a line.
     """
-    away = np.linalg.norm(x, axis=1)
-    largest = float(away.max())
-    peak = away >= AT_PEAK * largest
+    distance = np.linalg.norm(x, axis=1)
+    largest = float(distance.max())
+    peak = distance >= AT_PEAK * largest
     stiffness = float(np.mean(np.sum(f[peak] * x[peak], axis=1))) / largest**2
-    found = {
+    measures = {
         "amplitude_mm": largest,
         "G_eq_MPa": 0.0,
         "K_eq_kN_mm": stiffness,
@@ -382,12 +413,12 @@ def _plane_measures(x: Floats, f: Floats, work: float) -> dict[str, float]:
         "energy_kN_mm": work,
         "peak_force_kN": float(np.linalg.norm(f, axis=1).max()),
     }
-    for name, way, force in zip(("x", "y"), x.T, f.T, strict=True):
-        found[f"energy_{name}_kN_mm"] = loop_energy(way, force)
-        found[f"peak_force_{name}_kN"] = float(np.abs(force).max())
-        span = float(np.ptp(way))
-        found[f"K_eq_{name}_kN_mm"] = float(np.ptp(force)) / span if span > 0.0 else np.nan
-    return found
+    for name, displacement, force in zip(("x", "y"), x.T, f.T, strict=True):
+        measures[f"energy_{name}_kN_mm"] = loop_energy(displacement, force)
+        measures[f"peak_force_{name}_kN"] = float(np.abs(force).max())
+        span = float(np.ptp(displacement))
+        measures[f"K_eq_{name}_kN_mm"] = float(np.ptp(force)) / span if span > 0.0 else np.nan
+    return measures
 
 
 def _history_blocks(result: Result) -> Iterator[str]:

@@ -7,11 +7,13 @@ import numpy as np
 
 from thermobearing.border.lazy import pd
 from thermobearing.cyclic.comparison import comparison_table
-from thermobearing.cyclic.reported import bearing_check_tables
+from thermobearing.cyclic.equivalent import CYCLE, DESIGN_STRAIN
 from thermobearing.cyclic.result import Result, run_name
+from thermobearing.quantities.governing import place_of_least
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import LINE, beyond_mark
+from thermobearing.reported import bearing_check_tables
 from thermobearing.results.metrics import CycleMeasures
 from thermobearing.results.ranges import MARKED
 from thermobearing.results.selection import layer_groups, layer_names
@@ -27,6 +29,7 @@ LABELS = ("ambient_degC", "amplitude_strain", "cycle")
 LIMITED = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
 LIMITED |= {"cycle": "cycles", "lead_degC": "lead_temperature"}
 MOST_ROWS = 60
+FEW_CYCLES = 20  # that the console prints one by one
 SAME_AMPLITUDE = 0.999  # of the largest amplitude: rounding only
 SAME = 0.05  # of the temperatures of layers that share a column [K]
 MODELS = [f"{name} largest K" for name in ("inner layer", "lead")]
@@ -45,24 +48,55 @@ IN_PLANE = (
 
 def result_tables(result: Result) -> dict[str, Table]:
     """Return the tables that the console prints: cycles, energy balance, other models."""
-    found = {"cycles": cycles_table(result)} if len(result.cycles) else {}
-    found |= bearing_check_tables(result)
-    found["energy"] = energy_table(result.energy)
+    tables = {"cycles": cycles_table(result)} if len(result.cycles) else {}
+    tables |= bearing_check_tables(result)
+    tables["energy"] = energy_table(result.energy)
     if result.compared:
         errors = comparison_table(result.compared)
         if result.in_plane:
-            return found | {"line": make_table(errors, caption=LINE, keys=2)}
+            return tables | {"line": make_table(errors, caption=LINE, keys=2)}
         names = ["ambient_degC", "model", *MODELS]
-        caption = "Earlier models: largest temperature error, error of the peak force and of the "
-        found["models"] = make_table(errors, names, f"{caption}last cycle", keys=2)
-    return found
+        caption = (
+            "Earlier models: largest temperature error, error of the peak force and of the last "
+            "cycle"
+        )
+        tables["models"] = make_table(errors, names, caption, keys=2)
+    return tables
+
+
+def measured_cycle_table(result: Result) -> Table | None:
+    """Return the cycle that standards measure, at each temperature; None for short tests."""
+    cycles = result.cycles
+    if len(cycles) <= FEW_CYCLES or result.in_plane or result.compared:
+        return None
+    strains = cycles["amplitude_strain"].to_numpy(dtype=float)
+    strain = float(strains[place_of_least(np.abs(strains - DESIGN_STRAIN))])
+    # The design strain, or the amplitude of this test that is nearest to it.
+    nearest_cycles = cycles[np.abs(strains - strain) <= (1.0 - SAME_AMPLITUDE) * strain]
+    cycle = min(CYCLE, int(nearest_cycles["cycle"].max()))
+    frame = nearest_cycles[nearest_cycles["cycle"] == cycle].drop_duplicates("ambient_degC")
+    warmest = frame.loc[frame["ambient_degC"] == frame["ambient_degC"].max(), "G_eq_MPa"].iloc[0]
+    frame = frame.assign(G_eq_ratio=frame["G_eq_MPa"] / warmest)
+    caption = f"Cycle {cycle} of {100.0 * strain:.0f} % ({len(cycles)} cycles: --table)"
+    columns: list[str | Quantity] = [
+        "ambient_degC",
+        "G_eq_MPa",
+        "K_eq_kN_mm",
+        "G_eq_ratio",
+        "h_eq",
+        "energy_kN_mm",
+        *BACKBONE,
+        quantity("rubber_degC", name=inner_layer(result), head="Inner rubber"),
+        "lead_degC",
+    ]
+    return make_table(frame, columns, caption, keys=1, keep_keys=True)
 
 
 def largest_cycles(cycles: "pd.DataFrame") -> "pd.DataFrame":
     """Return the cycles of the largest amplitude, which rounding may divide, of `Result.cycles`."""
     strain = cycles["amplitude_strain"]
-    found: pd.DataFrame = cycles[strain >= SAME_AMPLITUDE * strain.max()]
-    return found
+    selected: pd.DataFrame = cycles[strain >= SAME_AMPLITUDE * strain.max()]
+    return selected
 
 
 def cycles_table(result: Result, *, brief: bool = False) -> Table:
@@ -91,7 +125,7 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         *LABELS,
         *MEASURES,
         "peak_force_kN",
-        *(PLANE if result.in_plane else BACKBONE),
+        *(("local_strain", *PLANE) if result.in_plane else BACKBONE),
         *heat,
         "lead_degC",
     ]
@@ -130,12 +164,12 @@ def ratio_table(result: Result) -> Table | None:
     last = cycles[_loadings(cycles) != _loadings(cycles).shift(-1)]
     place = last.groupby("ambient_degC").cumcount()
     warmest = float(last["ambient_degC"].max())
-    warm = last[last["ambient_degC"] == warmest].reset_index(drop=True).reindex(place)
+    warmest_cycles = last[last["ambient_degC"] == warmest].reset_index(drop=True).reindex(place)
     names = ["G_eq_MPa", "h_eq", "energy_kN_mm", "characteristic_strength_kN"]
     names = [name for name in names if name in last]
-    ratios = last.assign(**{n: last[n].to_numpy() / warm[n].to_numpy() for n in names})
-    same = last["cycle"].to_numpy() == warm["cycle"].to_numpy()
-    ratios = ratios[same & (last["ambient_degC"] != warmest).to_numpy()]
+    ratios = last.assign(**{n: last[n].to_numpy() / warmest_cycles[n].to_numpy() for n in names})
+    same_cycle = last["cycle"].to_numpy() == warmest_cycles["cycle"].to_numpy()
+    ratios = ratios[same_cycle & (last["ambient_degC"] != warmest).to_numpy()]
     if not len(ratios):
         return None
     changes: dict[str, Any] = {"unit": "", "factor": 1.0, "form": ".2f"}
@@ -157,21 +191,23 @@ def warming(result: Result) -> "pd.DataFrame":
     places = [0, len(names) - 1] if len(names) > 3 else range(len(names))
     rows = []
     for run, ambient in enumerate(data["ambient"].values):
-        kept = data["segment"].values[run] >= 0
-        rubber = data["rubber_temperature"].values[run, kept]
+        in_run = data["segment"].values[run] >= 0
+        rubber = data["rubber_temperature"].values[run, in_run]
         histories = {names[place]: rubber[:, place] for place in places}
         if result.has_lead:
-            histories["lead"] = data["lead_temperature"].values[run, kept]
+            histories["lead"] = data["lead_temperature"].values[run, in_run]
         for name, values in histories.items():
-            most = float(values.max())
-            rows.append((float(ambient), name, most, float(values.max() - values[0])))
+            highest = float(values.max())
+            rows.append((float(ambient), name, highest, float(values.max() - values[0])))
     return pd.DataFrame(rows, columns=["ambient_degC", "part", "highest_degC", "rise_K"])
 
 
 def energy_table(energy: "pd.DataFrame") -> Table:
     """Return the energy balance of bearings at the end of each run."""
-    note = "Work in = heat released + recoverable; heat released = stored + lost. Residuals are "
-    note += "relative to the largest of these energies."
+    note = (
+        "Work in = heat released + recoverable; heat released = stored + lost. Residuals are "
+        "relative to the largest of these energies."
+    )
     return make_table(energy, caption="Energy balance at the end of each run", note=note)
 
 

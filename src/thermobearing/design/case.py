@@ -8,6 +8,7 @@ from pydantic import Field
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import OneLine, Strict, in_unit, overridden, validated
+from thermobearing.border.title import case_table
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Ambients
 from thermobearing.design.peaks import PeakRule
@@ -15,7 +16,6 @@ from thermobearing.design.sizing import Kind, SizingRules, load_rubber
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
-from thermobearing.report.title import case_table
 from thermobearing.structure.model import GROUND, MassModel, Name, Structure, line_faults
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
@@ -111,15 +111,17 @@ def make_design_case(
     )
 
 
-def _settle_groups(given: Sequence[LineGroup], structure: Structure, where: str) -> list[LineGroup]:
+def _settle_groups(
+    explicit_groups: Sequence[LineGroup], structure: Structure, where: str
+) -> list[LineGroup]:
     """Return groups that hold every line once: those given, then the other lines by their kind."""
-    named = [name for group in given for name in group.lines]
-    faults = line_faults(structure, named, "line_groups")
-    alike: dict[tuple[int, bool], list[str]] = {}
+    named_lines = [name for group in explicit_groups for name in group.lines]
+    faults = line_faults(structure, named_lines, "line_groups")
+    lines_by_kind: dict[tuple[int, bool], list[str]] = {}
     for line in structure.bearings:
-        if line.name not in named:
-            alike.setdefault((line.count, line.base == GROUND), []).append(line.name)
-    groups = [*given, *(LineGroup(lines=lines) for lines in alike.values())]
+        if line.name not in named_lines:
+            lines_by_kind.setdefault((line.count, line.base == GROUND), []).append(line.name)
+    groups = [*explicit_groups, *(LineGroup(lines=lines) for lines in lines_by_kind.values())]
     names = [group.name or ", ".join(group.lines) for group in groups]
     faults += [
         f'line_groups: two are called "{n}"' for n in dict.fromkeys(names) if names.count(n) > 1
@@ -145,9 +147,9 @@ def bearing_weight(case: DesignCase, group: LineGroup | None = None) -> float:
     784.5
     """
     group = group or case.groups[0]
-    given = group.weight or case.weight
-    if given is not None:
-        return given
+    weight = group.weight or case.weight
+    if weight is not None:
+        return weight
     structure = case.structure
     bodies = {line.body for line in structure.bearings if line.name in group.lines}
     loads = []

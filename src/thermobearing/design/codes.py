@@ -31,9 +31,10 @@ class PublishedTable(Strict):
 
     def relative_to(self, reference: float, temperatures: Floats) -> Floats:
         """Return factors over that at a reference temperature; NaN colder than the table."""
+        # Warmer than the table its last factor holds; colder, the stiffening is not extrapolated.
         at = np.append(np.asarray(temperatures, dtype=np.float64), reference)
-        found = np.interp(at, self.temperatures, self.factors, left=np.nan)
-        return np.asarray(found[:-1] / found[-1])
+        factors = np.interp(at, self.temperatures, self.factors, left=np.nan)
+        return np.asarray(factors[:-1] / factors[-1])
 
 
 class _PublishedCode(Strict):
@@ -83,6 +84,7 @@ def bilinear_factors(strength: Floats, stiffness: Floats, share: float) -> dict[
     K_eq = Q_d/D + K_d and h_eq = 2 Q_d (D - D_y) / (pi K_eq D^2) with the same displacement D and
     yield displacement D_y; `share` is that of Q_d in Q_d + K_d D at the reference temperature.
     """
+    # 2 (D - D_y) / (pi D^2) is the same at both temperatures and cancels in the factor of h_eq.
     equivalent = share * strength + (1.0 - share) * stiffness
     return {"K_eq": equivalent, "h_eq": strength / equivalent}
 
@@ -91,14 +93,14 @@ def code_factors(
     kind: str, reference: float, temperatures: Floats, share: float
 ) -> dict[tuple[str, str], dict[str, Floats]]:
     """Return factors by code, class of rubber and quantity, at temperatures [degC]."""
-    found: dict[tuple[str, str], dict[str, Floats]] = {}
+    factors: dict[tuple[str, str], dict[str, Floats]] = {}
     for item in tables_for(kind):
         if item.code:
             values = item.relative_to(reference, temperatures)
-            found.setdefault((item.code, item.rubber), {})[item.quantity] = values
-    for one in found.values():
-        one |= bilinear_factors(one["Q_d"], one["K_d"], share)
-    return found
+            factors.setdefault((item.code, item.rubber), {})[item.quantity] = values
+    for by_quantity in factors.values():
+        by_quantity |= bilinear_factors(by_quantity["Q_d"], by_quantity["K_d"], share)
+    return factors
 
 
 def compare_with_codes(
@@ -113,23 +115,23 @@ def compare_with_codes(
     if not len(cold):
         return []
     codes = code_factors(kind, reference, cold, share)
-    stated = np.array([values for one in codes.values() for values in one.values()])
+    stated = np.array([values for by_quantity in codes.values() for values in by_quantity.values()])
     place = int(np.argmax(np.isfinite(stated).all(axis=0)))  # 0 where no code reaches
-    found = []
+    compared = []
     for quantity in COMPARED:
         row: dict[str, Any] = {"quantity": quantity, "ambient_degC": float(cold[place])}
-        same = rows[(rows["quantity"] == quantity) & (rows["ambient_degC"] == cold[place])]
+        quantity_rows = rows[(rows["quantity"] == quantity) & (rows["ambient_degC"] == cold[place])]
         for basis in ("first", "heated"):
-            mine = same[same["basis"] == basis].iloc[0]
-            row[basis] = float(mine["factor"])
-            row |= {f"{basis}_{end}": float(mine[f"factor_{end}"]) for end in ("low", "high")}
+            basis_row = quantity_rows[quantity_rows["basis"] == basis].iloc[0]
+            row[basis] = float(basis_row["factor"])
+            row |= {f"{basis}_{end}": float(basis_row[f"factor_{end}"]) for end in ("low", "high")}
         row["codes"] = {}
-        for (code, rubber), one in codes.items():
-            if np.isfinite(one[quantity][place]):
-                row["codes"].setdefault(code, {})[rubber] = float(one[quantity][place])
+        for (code, rubber), by_quantity in codes.items():
+            if np.isfinite(by_quantity[quantity][place]):
+                row["codes"].setdefault(code, {})[rubber] = float(by_quantity[quantity][place])
         row["difference"] = _difference(row)
-        found.append(row)
-    return found
+        compared.append(row)
+    return compared
 
 
 def _difference(row: dict[str, Any]) -> str:
@@ -137,38 +139,39 @@ def _difference(row: dict[str, Any]) -> str:
     values = [value for rubbers in row["codes"].values() for value in rubbers.values()]
     if not values:
         return "none stated"
-    mine, low, high = row["first"], min(values), max(values)
-    if low <= mine <= high:
+    factor, low, high = row["first"], min(values), max(values)
+    if low <= factor <= high:
         return "within"
-    end, side = (high, "above") if mine > high else (low, "below")
-    found = f"{100.0 * abs(mine / end - 1.0):.0f} % {side}"
-    if np.isfinite([row["first_low"], row["first_high"]]).all():
-        reaches = row["first_low"] <= high and row["first_high"] >= low
-        found += ", interval overlaps" if reaches else ", no overlap"
-    return found
+    end, side = (high, "above") if factor > high else (low, "below")
+    difference = f"{100.0 * abs(factor / end - 1.0):.0f} % {side}"
+    if not np.isfinite([row["first_low"], row["first_high"]]).all():
+        return difference
+    overlaps = row["first_low"] <= high and row["first_high"] >= low
+    return f"{difference}, {'interval overlaps' if overlaps else 'no overlap'}"
 
 
 def reasons(rows: list[dict[str, Any]], share: float) -> list[str]:
     """Return why the factors of a bearing differ from those of codes, as sentences without stop."""
-    found = list(published().reasons)
-    by = {row["quantity"]: row for row in rows}
-    theirs = {
-        name: [v for one in row["codes"].values() for v in one.values()] for name, row in by.items()
+    sentences = list(published().reasons)
+    rows_by_quantity = {row["quantity"]: row for row in rows}
+    code_values = {
+        quantity: [value for rubbers in row["codes"].values() for value in rubbers.values()]
+        for quantity, row in rows_by_quantity.items()
     }
-    if not any(theirs.values()):
-        return found
-    mine = [by[name]["first"] for name in MADE_OF]
-    more = [
-        mine[0] > mine[1],
-        all(q > k for q, k in zip(*(theirs[n] for n in MADE_OF), strict=True)),
-    ]
-    if more == [False, True]:
-        found.append(
-            "In the cold, K_d of this bearing increases more than its Q_d, in the codes "
-            "less: h_eq decreases here, and increases in the codes"
+    if not any(code_values.values()):
+        return sentences
+    strength, stiffness = (rows_by_quantity[quantity]["first"] for quantity in MADE_OF)
+    pairs_of_codes = zip(*(code_values[quantity] for quantity in MADE_OF), strict=True)
+    strength_leads_in_codes = all(q > k for q, k in pairs_of_codes)
+    # h_eq is proportional to Q_d over K_eq: which of the two factors is larger decides whether
+    # damping increases or decreases in the cold.
+    if strength_leads_in_codes and not strength > stiffness:
+        sentences.append(
+            "In the cold, K_d of this bearing increases more than Q_d, so that h_eq decreases; in "
+            "the codes Q_d increases more, so that h_eq increases"
         )
-    found.append(
+    sentences.append(
         f"At this strain, Q_d is {100.0 * share:.0f} % of the peak force of a bilinear loop with "
         "Q_d and K_d"
     )
-    return found
+    return sentences

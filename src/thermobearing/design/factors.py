@@ -9,6 +9,8 @@ import numpy as np
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
+from thermobearing.bearing.undecided import RATE, band, rate_alternatives
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import pd
 from thermobearing.border.units import is_number, one_or_several
@@ -40,7 +42,7 @@ COLDEST, HOTTEST = -60.0, 60.0
 MOST_CYCLES = 100
 
 
-def _chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
+def _chosen_cycles(cycles: str | int | Sequence[int]) -> tuple[int, ...]:
     """Return numbers of the cycles of a preset or a list, from 1."""
     if isinstance(cycles, str):
         if cycles not in PRESETS:
@@ -54,14 +56,15 @@ def _chosen_cycles(cycles: str | Sequence[int]) -> tuple[int, ...]:
     return tuple(sorted({int(n) for n in numbers}))
 
 
+@checked
 def temperature_factors(
     bearing: Bearing | str | Path | Sequence[Bearing | str | Path],
     *,
     reference_temperature: float,
-    temperatures: Sequence[float] = TEMPERATURES,
-    strains: Sequence[float] = STRAINS,
+    temperatures: float | Sequence[float] = TEMPERATURES,
+    strains: float | Sequence[float] = STRAINS,
     period: float = PERIOD,
-    cycles: str | Sequence[int] = "1-3",
+    cycles: str | int | Sequence[int] = "1-3",
     **options: Any,
 ) -> "pd.DataFrame":
     """Return K_eq, Q_d, K_d, h_eq and energy relative to those at a reference temperature.
@@ -81,7 +84,8 @@ def temperature_factors(
     strains : shear strain amplitudes, in [0.1, 3].
     period : of the sine [s], in [0.2, 1000].
     cycles : "3", "1-3", "2-11", "all-but-first" (of five), or numbers.
-    options : of `run`: scheme, lead_ends, faces, ...
+    options : of `run`: model, state, ...; with the conditioning of an `InitialState` as `initial`
+        each temperature is that of a chamber in which the bearing was for so long before the test.
 
     Returns
     -------
@@ -113,27 +117,31 @@ def temperature_factors(
         for item in bearings
     ]
     tested = [row for _, rows in parts[0] for row in rows]
-    tables = [pd.concat([table for table, _ in mine]) for mine in parts]
+    tables = [pd.concat([table for table, _ in strain_parts]) for strain_parts in parts]
     keys = ["strain", "basis", "ambient_degC", "quantity"]
+    # Each bearing is divided by its own value at the reference temperature, so that the band is
+    # that of the factors and not of the values.
     for number, table in enumerate(tables):
-        at = table["ambient_degC"] == reference_temperature
-        base = table[at].set_index(["strain", "basis", "quantity"])["value"]
+        at_reference = table["ambient_degC"] == reference_temperature
+        base = table[at_reference].set_index(["strain", "basis", "quantity"])["value"]
         index = pd.MultiIndex.from_frame(table[["strain", "basis", "quantity"]])
         table["factor"] = table["value"].to_numpy() / base.loc[index].to_numpy()
         tables[number] = table.set_index(keys)
-    found = tables[0].copy()
-    low = high = np.full(len(found), np.nan)
-    if len(tables) > 1:
-        many = np.array([table.loc[found.index, "factor"].to_numpy() for table in tables])
-        low, high = np.quantile(many, QUANTILES, axis=0)
-    found["factor_low"], found["factor_high"] = low, high
-    found = found.reset_index().sort_values(
+    factors = tables[0].copy()
+    low = high = np.full(len(factors), np.nan)
+    if len(tables) > 1:  # one bearing has no band
+        sample_factors = np.array(
+            [table.loc[factors.index, "factor"].to_numpy() for table in tables]
+        )
+        low, high = np.quantile(sample_factors, QUANTILES, axis=0)
+    factors["factor_low"], factors["factor_high"] = low, high
+    factors = factors.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
-    return _grown(_with_tested(found, tested), tested)
+    return _with_extrapolated_bands(_with_tested(factors, tested), tested)
 
 
-def _grown(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
+def _with_extrapolated_bands(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
     """Return factors whose bands are wider at ambient temperatures outside the tests.
 
     Strain and rate change both values of a factor, and most of their error cancels.
@@ -142,10 +150,12 @@ def _grown(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
     for row in tested:
         by_run.setdefault(str(row["run"]), []).append(row)
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
-    runs = [by_run.get(_place(float(strain), float(ambient)), []) for strain, ambient in pairs]
-    more = np.array([extrapolation(rows, only=("ambient",)) for rows in runs])
+    runs = [by_run.get(_run_label(float(strain), float(ambient)), []) for strain, ambient in pairs]
+    extrapolated = np.array([extrapolation(rows, only=("ambient",)) for rows in runs])
     low, high, middle = (table[f"factor{end}"].to_numpy() for end in ("_low", "_high", ""))
-    table["factor_low"], table["factor_high"] = widened(low, high, middle, more, QUANTILES[1])
+    table["factor_low"], table["factor_high"] = widened(
+        low, high, middle, extrapolated, QUANTILES[1]
+    )
     return table
 
 
@@ -162,6 +172,33 @@ def factors_at_speed(
     ]
     tested = [row for part in parts for row in part.attrs["tested_range"]]
     return _with_tested(pd.concat(parts, ignore_index=True), tested)
+
+
+def rate_bands(
+    bearing: Bearing, table: "pd.DataFrame", reference: float, **options: Any
+) -> "pd.DataFrame":
+    """Return how far the range of the rate factor moves the values at the reference temperature.
+
+    `table` has the values of the bearing; `options` are those with which it was made. One row per
+    strain and quantity: `lowest` and `highest` relative change of the mean over the cycles.
+    """
+    keys = ["strain", "quantity"]
+
+    def _means(values: "pd.DataFrame") -> "pd.Series[float]":
+        reference_rows = values[(values["basis"] == "mean") & (values["ambient_degC"] == reference)]
+        return pd.Series(reference_rows.set_index(keys)["value"])
+
+    conditions: dict[str, Any] = {"reference_temperature": reference, "temperatures": [reference]}
+    compute = temperature_factors if "period" in options else factors_at_speed
+    base, changes = _means(table), []
+    for alternative in rate_alternatives(bearing).values():
+        changes.append(_means(compute([alternative], **conditions, **options)) / base - 1.0)
+    rows = []
+    for strain, name in base.index if changes else ():
+        low, high = band(change.loc[strain, name] for change in changes)
+        row = {"bearing": bearing.name, "undecided": RATE, "strain": strain, "quantity": name}
+        rows.append(row | {"lowest": low, "highest": high})
+    return pd.DataFrame(rows)
 
 
 def _check(
@@ -217,7 +254,7 @@ def _measured(
             f"{result.sentence}"
         )
     cycles = result.cycles
-    scale = bearing.area / bearing.total_rubber_thickness / 1e3  # MPa -> kN/mm
+    scale = bearing.area / bearing.total_rubber_thickness / 1e3  # K_eq = G_eq A / T_r; MPa: kN/mm
     values = pd.DataFrame(
         {
             "ambient_degC": cycles["ambient_degC"],
@@ -235,17 +272,19 @@ def _measured(
         "heated": values[values["cycle"] == max(numbers)],
         "mean": chosen.groupby("ambient_degC", as_index=False).mean(),
     }
+    # One row for each number: factors of all quantities are then computed alike.
     frame = pd.concat(parts, names=["basis"]).reset_index("basis")
     keys = ["basis", "ambient_degC"]
     table = frame.melt(keys, list(QUANTITIES), var_name="quantity")
     table.insert(0, "strain", float(strain))
     table.insert(4, "unit", table["quantity"].map(QUANTITIES))
     tested = result.tested_range.to_dict("records")
-    names = {run_name(t): _place(strain, t) for t in ambient}
+    # Runs of several strains have the same ambient temperatures: their names need the strain.
+    names = {run_name(t): _run_label(strain, t) for t in ambient}
     return table, [{**row, "run": names[row["run"]]} for row in tested]
 
 
-def _place(strain: float, temperature: float) -> str:
+def _run_label(strain: float, temperature: float) -> str:
     """Return what a run is called in sentences."""
     return f"{strain:.0%} at {temperature:g} degC"
 
@@ -253,7 +292,7 @@ def _place(strain: float, temperature: float) -> str:
 def _with_tested(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
     """Return a table with what its first bearing was not tested at; those rows in `attrs`."""
     pairs = zip(table["strain"], table["ambient_degC"], strict=True)
-    runs = [_place(float(strain), float(ambient)) for strain, ambient in pairs]
+    runs = [_run_label(float(strain), float(ambient)) for strain, ambient in pairs]
     table["beyond_tested"] = limits_passed(tested, runs)
     table.attrs["tested_range"] = tested
     return table
@@ -273,9 +312,14 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
     plan = g.plan.model_copy(
         update={name: factor * getattr(g.plan, name) for name in lengths if hasattr(g.plan, name)}
     )
-    thick = ("rubber_thickness", "shim_thickness", "sealing_plate_thickness", "end_plate_thickness")
+    thicknesses = (
+        "rubber_thickness",
+        "shim_thickness",
+        "sealing_plate_thickness",
+        "end_plate_thickness",
+    )
     geometry = g.model_copy(
-        update={"plan": plan} | {name: factor * getattr(g, name) for name in thick}
+        update={"plan": plan} | {name: factor * getattr(g, name) for name in thicknesses}
     )
     core = factor * bearing.lead.diameter if bearing.lead is not None else None
     return resized(bearing, geometry, core).model_copy(
@@ -306,8 +350,8 @@ def scale_study(
     for factor, result in results.items():
         time = result.time(0)
         rows.append({"factor": factor, "total_rubber_mm": factor * bearing.total_rubber_thickness})
-        for name, later in (("at_end", 0.0), ("after_1_min", 60.0), ("after_10_min", 600.0)):
-            row = int(time.searchsorted(end + later - 1e-6))
+        for name, delay in (("at_end", 0.0), ("after_1_min", 60.0), ("after_10_min", 600.0)):
+            row = int(time.searchsorted(end + delay - 1e-6))
             layers = result["rubber_temperature"].values[0, row] - ambient
             rows[-1] |= {f"outer_{name}_K": float(layers[0]), f"inner_{name}_K": float(layers[-1])}
             if result.has_lead:

@@ -61,18 +61,21 @@ class DesignFigures(drawing.Figures):
         size = (6.5 if count == 1 else 4.2 * count, 3.6)
         figure, axes = drawing.panels(1, count, size, title, least=drawing.NARROW)
         for ax, turn, bearing in zip(axes, design.taken, design.bearings, strict=True):
-            mine = [one.row() for one in design.rounds if one.group == turn.group]
-            numbers = [row["round"] for row in mine]
+            group_rounds = [item for item in design.rounds if item.group == turn.group]
+            rows = [item.row() for item in group_rounds]
+            numbers = [row["round"] for row in rows]
             for column, name, colour, marker in (
                 ("u_B_assumed_mm", "assumed", "#0072B2", "o"),
                 ("u_found_mm", "found", "#D55E00", "s"),
             ):
-                values = [row[column] for row in mine]
+                values = [row[column] for row in rows]
                 ax.plot(numbers, values, color=colour, marker=marker, linewidth=1.2, label=name)
             ax.set_xticks(numbers)
-            end = (calibration_ranges(bearing) or {})["strain"][1] * bearing.total_rubber_thickness
-            if turn.found > end:
-                drawing.mark_tested(ax, end, "the curves end here")
+            largest_tested = (calibration_ranges(bearing) or {})["strain"][
+                1
+            ] * bearing.total_rubber_thickness
+            if turn.found > largest_tested:
+                drawing.mark_tested(ax, largest_tested, "the curves end here")
             drawing.name_axes(ax, "round", "displacement of the bearing [mm]", turn.group)
         drawing.legend_below(figure, axes[0].get_legend_handles_labels()[0])
         return figure
@@ -121,14 +124,14 @@ class FactorFigures(drawing.Figures):
         the same reference temperature.
         """
         report = self._result
-        what = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
+        conditions = f"temperature factors, {report.motion}, strain {report.strain:.0%}"
         rows = report.table[report.table["strain"] == report.strain]
         quantities = list(dict.fromkeys(report.table["quantity"]))
-        down = -(-(len(quantities) + 1) // ACROSS)  # with room for the legend
-        size = (3.5 * ACROSS, 0.5 + 3.1 * down)
-        figure, axes = drawing.panels(down, ACROSS, size, f"{report.name}: {what}")
-        others = _other_sources(report)
-        names = [name for group in others.values() for name in group]
+        panel_rows = -(-(len(quantities) + 1) // ACROSS)  # with room for the legend
+        size = (3.5 * ACROSS, 0.5 + 3.1 * panel_rows)
+        figure, axes = drawing.panels(panel_rows, ACROSS, size, f"{report.name}: {conditions}")
+        sources = _other_sources(report)
+        names = [name for group in sources.values() for name in group]
         marks = drawing.MARKERS
         looks: dict[str, dict[str, Any]] = {
             name: {"color": OTHERS[k % len(OTHERS)], "marker": marks[k % len(marks)], **DOTTED}
@@ -137,13 +140,13 @@ class FactorFigures(drawing.Figures):
         shown, free = axes[: len(quantities)], axes[len(quantities) :]
         for ax, quantity in zip(shown, quantities, strict=True):
             _draw_factors(ax, rows[rows["quantity"] == quantity])
-            for name, curves in (pair for group in others.values() for pair in group.items()):
+            for name, curves in (pair for group in sources.values() for pair in group.items()):
                 if quantity in curves:
                     ax.plot(*curves[quantity], **looks[name])
             ax.axvline(report.reference, color=drawing.GREY, linewidth=0.7)
             ax.axhline(1.0, color=drawing.GREY, linewidth=0.7)
-            at = drawing.degrees(report.reference)
-            name = f"{quantity} / {quantity} at {at}"
+            reference = drawing.degrees(report.reference)
+            name = f"{quantity} / {quantity} at {reference}"
             drawing.name_axes(ax, "ambient temperature [°C]", "factor", name)
         limits = [ax.get_xlim() for ax in shown]  # one scale: some sources reach further
         for ax in shown:
@@ -157,7 +160,7 @@ class FactorFigures(drawing.Figures):
         ]
         if shaded:  # in the panels the note would lie on the lines
             handles.append(Patch(color=drawing.UNTESTED, label="outside calibration range"))
-        for head, group in others.items():
+        for head, group in sources.items():
             handles.append(Line2D([], [], linestyle="none", label=_wrapped(head)))
             handles += [Line2D([], [], label=_wrapped(name), **looks[name]) for name in group]
         free[0].legend(handles=handles, loc="center left", fontsize=drawing.SMALL, frameon=False)
@@ -177,20 +180,21 @@ class FactorFigures(drawing.Figures):
 
 def draw_bounds(table: "pd.DataFrame", title: str) -> Figure:
     """Draw bars between the bounds, dots of the coupled model: a dot above its bar is unsafe."""
-    table = least_safe(table)
+    table = least_safe(table)  # of several lines or piers the governing one
     ends = (re.fullmatch(r"coupled_(.*\d)_degC", str(name)) for name in table.columns)
     temperatures = [float(end[1]) for end in ends if end]
     colours = drawing.ambient_colours(np.array(temperatures))
     motions = list(dict.fromkeys(table["motion"]))
-    wide = max(4.4, 0.5 * len(motions) + 1.2)
-    figure, axes = drawing.panels(2, 2, (2.0 * wide, 6.4), title, least=drawing.NARROW)
-    most = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
+    panel_width = max(4.4, 0.5 * len(motions) + 1.2)
+    figure, axes = drawing.panels(2, 2, (2.0 * panel_width, 6.4), title, least=drawing.NARROW)
+    tested_strain = (table.attrs.get("ranges") or {}).get("strain", (0.0, np.inf))[1]
     for ax, (column, label) in zip(axes, DEMANDS.items(), strict=True):
         rows = table[table["demand"] == column].set_index("motion").loc[motions]
         _draw_demand(ax, rows, temperatures, colours)
-        if column == "bearing_strain_max" and ax.get_ylim()[1] > most:
-            ax.set_ylim(top=max(ax.get_ylim()[1], 1.1 * most))
-            drawing.mark_tested(ax, most, "tested to here")
+        if column == "bearing_strain_max" and ax.get_ylim()[1] > tested_strain:
+            # With room above the line for its label.
+            ax.set_ylim(top=max(ax.get_ylim()[1], 1.1 * tested_strain))
+            drawing.mark_tested(ax, tested_strain, "tested to here")
         ax.set_xticks(np.arange(len(motions)), motions if ax in axes[2:] else [""] * len(motions))
         ax.tick_params(axis="x", labelrotation=0 if len(motions) == 1 else 45)
         drawing.name_axes(ax, "", "", label)
@@ -212,22 +216,24 @@ def _draw_demand(
     ax: Axes, rows: "pd.DataFrame", temperatures: list[float], colours: list[str]
 ) -> None:
     """Draw one demand: a bar with its two bounds for each motion, dots side by side on it."""
-    at = np.arange(len(rows))
+    positions = np.arange(len(rows))
     ends = [rows[bound].to_numpy() for bound in EDGES]
     low, high = np.minimum(*ends), np.maximum(*ends)
-    ax.bar(at, high - low, bottom=low, width=BAR, color=BAND, zorder=1)
+    ax.bar(positions, high - low, bottom=low, width=BAR, color=BAND, zorder=1)
     for end, (_, colour) in zip(ends, EDGES.values(), strict=True):
-        ax.hlines(end, at - 0.5 * BAR, at + 0.5 * BAR, color=colour, linewidth=2.0, zorder=2)
+        ax.hlines(
+            end, positions - 0.5 * BAR, positions + 0.5 * BAR, color=colour, linewidth=2.0, zorder=2
+        )
     places = (np.arange(len(temperatures)) - 0.5 * (len(temperatures) - 1)) * BAR
     top = high.copy()
     for temperature, colour, place in zip(temperatures, colours, places, strict=True):
         values = rows[f"coupled_{temperature:g}_degC"].to_numpy()
-        top = np.fmax(top, values)
-        shifted = at + place / len(temperatures)
+        top = np.fmax(top, values)  # a run that failed has no value
+        shifted = positions + place / len(temperatures)
         ax.plot(shifted, values, "o", color=colour, markeredgecolor="white", zorder=3)
     look: drawing.Look = {"ha": "center", "va": "bottom", "textcoords": "offset points"}
     shown = rows.assign(part=rows.get("part", ""))[["envelope_over_coupled", "verdict", "part"]]
-    for x, y, (ratio, verdict, part) in zip(at, top, shown.to_numpy(), strict=True):
+    for x, y, (ratio, verdict, part) in zip(positions, top, shown.to_numpy(), strict=True):
         if np.isfinite([y, ratio]).all():
             colour = UNSAFE_RED if verdict == "unsafe" else drawing.GREY
             look |= {"color": colour, "fontsize": drawing.SMALL, "xytext": (0, 5)}
@@ -240,16 +246,18 @@ def _draw_demand(
 
 def _other_sources(report: FactorReport) -> dict[str, dict[str, dict[str, tuple[Any, Any]]]]:
     """Return temperatures and factors by heading of the legend, source and quantity."""
-    found: dict[str, dict[str, dict[str, tuple[Any, Any]]]] = {}
+    sources: dict[str, dict[str, dict[str, tuple[Any, Any]]]] = {}
     for item in tables_for(report.bearings[0].kind):
-        at = np.array(item.temperatures)
-        curves = found.setdefault(CODES if item.code else MAKERS, {}).setdefault(item.name, {})
+        temperatures = np.array(item.temperatures)
+        curves = sources.setdefault(CODES if item.code else MAKERS, {}).setdefault(item.name, {})
         if item.code:
-            codes = code_factors(item.kinds[0], report.reference, at, report.strength_share)
-            curves |= {name: (at, y) for name, y in codes[item.code, item.rubber].items()}
+            codes = code_factors(
+                item.kinds[0], report.reference, temperatures, report.strength_share
+            )
+            curves |= {name: (temperatures, y) for name, y in codes[item.code, item.rubber].items()}
         else:
-            curves[item.quantity] = (at, item.relative_to(report.reference, at))
-    return found
+            curves[item.quantity] = (temperatures, item.relative_to(report.reference, temperatures))
+    return sources
 
 
 def _wrapped(label: str) -> str:
@@ -281,6 +289,7 @@ def draw_scale(bearing: Bearing, results: dict[float, Result]) -> Figure:
         kept = drawing.thin_loops(strain, stress, float(np.ptp(strain)), float(np.ptp(stress)))
         right.plot(100.0 * strain[kept], stress[kept], color=colour, linewidth=0.9)
         handles.append(Line2D([], [], color=colour, label=f"scale {factor:.3g}"))
+    # Linear over the ten seconds of loading, logarithmic over the hour of rest.
     left.set_xscale("symlog", linthresh=20.0)
     left.set_xticks([0, 10, 20, 60, 600, 3600], ["0", "10", "20", "60", "600", "3600"])
     drawing.name_axes(left, "time [s]", "rise over the ambient [K]", "temperature")

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup
 
 PeakRule = Literal["largest", "mean", "mean of seven"]
+OTHERS = "the group of all others"  # motions that neither are built in nor state a group
 PARTS = {  # in a study with several lines or piers: the variable with a column for each
     "bearing_displacement_max": "line_displacement_max",
     "bearing_strain_max": "line_strain_max",
@@ -66,18 +67,26 @@ def mean_group(motion: Motion) -> str:
     motion.
     """
     built_in = re.fullmatch(r"(jra-i{1,2}-i{1,3})-\d+", motion.name)
-    return motion.group or (built_in[1] if built_in else "motions")
+    return motion.group or (built_in[1] if built_in else OTHERS)
 
 
 def _combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule) -> float:
     """Return the peak of several motions by a rule."""
-    found = np.asarray(values, dtype=float)
+    peaks = np.asarray(values, dtype=float)
     if rule == "largest":
-        return float(found.max())
+        return float(peaks.max())
     groups = np.array([mean_group(motion) for motion in motions])
-    each = [found[groups == group] for group in dict.fromkeys(groups)]
+    peaks_by_group = [peaks[groups == group] for group in dict.fromkeys(groups)]
+    # A mean needs the number of motions that the rule states; a group of fewer gives its largest.
     least = peak_rule(rule).least
-    return float(np.max([one.mean() if len(one) >= least else one.max() for one in each]))
+    return float(
+        np.max(
+            [
+                group_peaks.mean() if len(group_peaks) >= least else group_peaks.max()
+                for group_peaks in peaks_by_group
+            ]
+        )
+    )
 
 
 def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
@@ -85,12 +94,12 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
     least = peak_rule(rule).least
     groups = [mean_group(motion) for motion in motions]
     counts = {group: groups.count(group) for group in groups}
-    few = [f"{group} has {count}" for group, count in counts.items() if count < least]
-    needs = f"the largest peaks are used, since means need at least {least} motions of a group"
-    return [f"{needs}: {', '.join(few)}"] if few else []
+    small_groups = [f"{group} has {count}" for group, count in counts.items() if count < least]
+    needs = f"the largest peaks are used; a mean needs {least} motions or more of a group"
+    return [f"{needs}, and {', '.join(small_groups)}"] if small_groups else []
 
 
-def counted(
+def peaks_by_part(
     data: "xr.Dataset",
     name: str,
     motions: Sequence[Motion],
@@ -98,8 +107,10 @@ def counted(
     runs: Any = slice(None),
 ) -> Floats:
     """Return the peak of each bearing line or pier by a rule."""
-    own = PARTS.get(name, name)
-    values = np.asarray(data[own if own in data else name])[runs].reshape(len(motions), -1)
+    variable = PARTS.get(name, name)
+    values = np.asarray(data[variable if variable in data else name])[runs].reshape(
+        len(motions), -1
+    )
     return np.array([_combined(column.tolist(), motions, rule) for column in values.T])
 
 
@@ -111,33 +122,42 @@ def collect_peaks(
     groups: Sequence["LineGroup"] = (),
 ) -> "pd.DataFrame":
     """Return peaks of every bearing at every temperature, and which limits they pass."""
-    most = {check.what: check.limit for check in limits}
-    kept = {"strain": most.get("shear strain"), "ductility": most.get("pier ductility")}
+    limit_by_check = {check.what: check.limit for check in limits}
+    limit_by_column = {
+        "strain": limit_by_check.get("shear strain"),
+        "ductility": limit_by_check.get("pier ductility"),
+    }
     data, rows = study.dataset, []
-    for (bearing, ambient), mine in study.table.groupby(["bearing", "ambient_degC"], sort=False):
-        runs = mine.index.to_numpy()
-        peaks = {c: counted(data, n, motions, rule, runs) for n, c in COLLECTED.items()}
+    for (bearing, ambient), runs_table in study.table.groupby(
+        ["bearing", "ambient_degC"], sort=False
+    ):
+        runs = runs_table.index.to_numpy()
+        peaks = {c: peaks_by_part(data, n, motions, rule, runs) for n, c in COLLECTED.items()}
         for group in groups or (None,):
             row: dict[str, Any] = {"bearing": bearing, "ambient_degC": ambient}
             places: Any = slice(None)
             if group is not None:
                 lines = data["line"].values.tolist()
                 places = [lines.index(line) for line in group.lines]
-                own = str(data["line_bearing"].values[runs[0], places[0]])
-                row = {"bearing": own, "group": group.name, "ambient_degC": ambient}
+                line_bearing = str(data["line_bearing"].values[runs[0], places[0]])
+                row = {"bearing": line_bearing, "group": group.name, "ambient_degC": ambient}
+            # Of bearings the lines of the group, of piers and deck the whole bridge.
             for name, column in COLLECTED.items():
                 values = peaks[column][places if name in OF_LINES else slice(None)]
+                # fmax: a pier without a hinge has no ductility.
                 row[column] = float(np.fmax.reduce(values))
             if group is not None:
                 governing = place_of_largest(peaks["ductility"])
                 row["pier"] = str(data["pier_part"].values[governing])
-            fails = [k for k, limit in kept.items() if limit is not None and row[k] > limit]
-            fails += [str(v) for v in dict.fromkeys(mine["outcome"]) if v != "completed"]
+            fails = [
+                k for k, limit in limit_by_column.items() if limit is not None and row[k] > limit
+            ]
+            fails += [str(v) for v in dict.fromkeys(runs_table["outcome"]) if v != "completed"]
             row |= {"verdict": "NG" if fails else "OK", "fails": " ".join(fails)}
             rows.append(row)
-    found = pd.DataFrame(rows)
-    found.attrs["tested_range"] = study.tested_range.to_dict("records")
-    return found
+    table = pd.DataFrame(rows)
+    table.attrs["tested_range"] = study.tested_range.to_dict("records")
+    return table
 
 
 def of_group(name: str, group: str = "") -> str:
@@ -145,7 +165,7 @@ def of_group(name: str, group: str = "") -> str:
     return f"{name} ({group})" if group else name
 
 
-def _whose(table: "pd.DataFrame") -> list[str]:
+def _key_columns(table: "pd.DataFrame") -> list[str]:
     """Return the key columns of `collect_peaks` except the temperature."""
     return [name for name in ("bearing", "group") if name in table]
 
@@ -153,33 +173,62 @@ def _whose(table: "pd.DataFrame") -> list[str]:
 def envelope(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return the largest of every peak over the temperatures, and where it occurs."""
     rows = []
-    for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
-        airs = mine["ambient_degC"].tolist()
-        for column in (name for name in COLLECTED.values() if name in mine):
-            values = mine[column].to_numpy(dtype=float)
+    for key, group in table.groupby(_key_columns(table), sort=False) if len(table) else ():
+        temperatures = group["ambient_degC"].tolist()
+        for column in (name for name in COLLECTED.values() if name in group):
+            values = group[column].to_numpy(dtype=float)
             if np.isfinite(values).any():
                 worst = place_of_largest(values)
-                row = dict(zip(_whose(table), key, strict=True)) | {"peak": column}
-                rows.append(row | {"largest": float(values[worst]), "at_degC": airs[worst]})
+                row = dict(zip(_key_columns(table), key, strict=True)) | {"peak": column}
+                rows.append(row | {"largest": float(values[worst]), "at_degC": temperatures[worst]})
     return pd.DataFrame(rows)
+
+
+STATE_PEAKS = {"force_kN": ".0f", "ductility": ".2f", "displacement_mm": ".0f"}
+
+
+def state_sentences(tested: "pd.DataFrame", virgin: "pd.DataFrame") -> list[str]:
+    """Return the bounds of both states of the rubber: displacement, force and ductility."""
+    sentences = []
+    for key, virgin_rows in virgin.groupby(_key_columns(virgin), sort=False) if len(virgin) else ():
+        # A list selects a table even of one row; an index of one column has names and no tuples.
+        tested_rows = tested.set_index(_key_columns(tested)).loc[[key if len(key) > 1 else key[0]]]
+        largest = {
+            name: [
+                f"{float(np.fmax.reduce(table[name])):{form}}"
+                for table in (virgin_rows, tested_rows)
+            ]
+            for name, form in STATE_PEAKS.items()
+        }
+        fails = sorted({word for text in virgin_rows["fails"] for word in str(text).split()})
+        verdict = f"NG ({', '.join(fails)})" if fails else "OK"
+        force, ductility, displacement = (largest[name] for name in STATE_PEAKS)
+        sentences.append(
+            f"{of_group(*map(str, key))}: {verdict} with virgin rubber: force at most {force[0]} "
+            f"kN (tested {force[1]} kN), ductility {ductility[0]} (tested {ductility[1]}); "
+            f"displacement at most {displacement[1]} mm with tested rubber (virgin "
+            f"{displacement[0]} mm)"
+        )
+    return sentences
 
 
 def coldest_sentences(table: "pd.DataFrame") -> list[str]:
     """Return the verdict of the coldest day, and the envelope, in words."""
-    said = []
-    for key, mine in table.groupby(_whose(table), sort=False) if len(table) else ():
-        rows = mine.to_dict("records")
-        cold = min(rows, key=lambda row: row["ambient_degC"])
-        far, force = (
-            rows[place_of_largest(mine[name])] for name in ("displacement_mm", "force_kN")
+    sentences = []
+    for key, group in table.groupby(_key_columns(table), sort=False) if len(table) else ():
+        rows = group.to_dict("records")
+        coldest = min(rows, key=lambda row: row["ambient_degC"])
+        displacement, force = (
+            rows[place_of_largest(group[name])] for name in ("displacement_mm", "force_kN")
         )
-        fails = f" ({cold['fails']})" if cold["fails"] else ""
-        pier = f" of {cold['pier']}" if "pier" in cold else ""
-        said.append(
-            f"{of_group(*map(str, key))}: {cold['verdict']} on the coldest day, "
-            f"{cold['ambient_degC']:g} degC{fails}: strain {cold['strain']:.0%}, force "
-            f"{cold['force_kN']:.0f} kN, ductility {cold['ductility']:.2f}{pier}; over all "
-            f"temperatures at most {far['displacement_mm']:.0f} mm (at {far['ambient_degC']:g} "
-            f"degC) and {force['force_kN']:.0f} kN (at {force['ambient_degC']:g} degC)"
+        fails = f" ({coldest['fails']})" if coldest["fails"] else ""
+        pier = f" of {coldest['pier']}" if "pier" in coldest else ""
+        sentences.append(
+            f"{of_group(*map(str, key))}: {coldest['verdict']} on the coldest day, "
+            f"{coldest['ambient_degC']:g} degC{fails}: strain {coldest['strain']:.0%}, force "
+            f"{coldest['force_kN']:.0f} kN, ductility {coldest['ductility']:.2f}{pier}; over all "
+            f"temperatures at most {displacement['displacement_mm']:.0f} mm (at "
+            f"{displacement['ambient_degC']:g} degC) and {force['force_kN']:.0f} kN (at "
+            f"{force['ambient_degC']:g} degC)"
         )
-    return said
+    return sentences

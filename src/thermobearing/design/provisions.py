@@ -4,30 +4,39 @@ import math
 import tomllib
 from collections.abc import Sequence
 from functools import partial
+from pathlib import Path
+from textwrap import wrap
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Plan
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import xr
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, is_number, one_or_several
 from thermobearing.core.records import Floats
-from thermobearing.design.peaks import PeakRule, counted, few_motions, mean_group
+from thermobearing.design.peaks import PeakRule, few_motions, mean_group, peaks_by_part
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.measures import DIRECTION, DIRECTIONS
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.axial import critical_load, overlap_area
 from thermobearing.model.checks import (
     Check,
     check_rows,
     checked_modulus,
-    critical_load,
     failed_checks,
-    overlap_area,
+    limit_keys,
+    with_limit,
+)
+from thermobearing.model.limits import (
+    PERCENT,
+    Limits,
+    load_limits,
 )
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute, from_attribute
@@ -44,12 +53,16 @@ Measure = Literal[
 ]
 LEVEL_1 = "level 1"  # begins the groups of motions of Level 1
 LARGEST_ROTATION, ZONES = 0.2, (1, 2, 3, 4)  # [rad]; of AASHTO
-ALL_WAYS = np.linspace(0.0, 0.5 * math.pi, 91)  # directions of a displacement in a plane [rad]
+WIDTH = 98  # of comments in a file of limits, in letters
+PLANE_DIRECTIONS = np.linspace(
+    0.0, 0.5 * math.pi, 91
+)  # directions of a displacement in a plane [rad]
 
 
 class _CodeCheck(Strict):
     """One check of a code; see data/design/provisions.toml."""
 
+    key: str
     what: str
     measure: Measure
     clause: str
@@ -93,17 +106,19 @@ class _Codes(Strict):
     codes: list[_Code]
 
 
-_known = partial(read_data, _Codes, "design", "provisions.toml")
+_load_provisions = partial(read_data, _Codes, "design", "provisions.toml")
 
 
-def load_codes(codes: Sequence[str], rotation: float = 0.0, zone: int = 4) -> list[_Code]:
+def load_codes(
+    codes: Sequence[str] | str, rotation: float = 0.0, zone: int = 4, *, may_be_none: bool = False
+) -> list[_Code]:
     """Return codes by name; refuse other arguments that `check_bearings` does."""
-    known: dict[str, _Code] = {code.name: code for code in _known().codes}
-    names = [str(name) for name in one_or_several(codes) or [""]]
+    codes_by_name: dict[str, _Code] = {code.name: code for code in _load_provisions().codes}
+    names = [str(name) for name in one_or_several(codes) or [""] * (not may_be_none)]
     faults = [
-        f'codes: "{name}" must be "jra" or "aashto"{nearest(name, known)}'
+        f'codes: "{name}" must be "jra" or "aashto"{nearest(name, codes_by_name)}'
         for name in names
-        if name not in known
+        if name not in codes_by_name
     ]
     if not (is_number(rotation) and 0.0 <= rotation <= LARGEST_ROTATION):
         faults.append(f"rotation = {rotation!r}: must be 0 to {LARGEST_ROTATION:g} rad")
@@ -111,7 +126,7 @@ def load_codes(codes: Sequence[str], rotation: float = 0.0, zone: int = 4) -> li
         faults.append(f"zone = {zone!r}: must be 1, 2, 3 or 4")
     if faults:
         raise InputError(faults, "check_bearings()")
-    return [known[name] for name in dict.fromkeys(names)]
+    return [codes_by_name[name] for name in dict.fromkeys(names)]
 
 
 class _Demand(NamedTuple):
@@ -128,8 +143,8 @@ class _Demand(NamedTuple):
     def overlap(self, distance: float) -> float:
         """Return the overlap area of top and bottom at a displacement [mm2]."""
         assert self.bearing is not None
-        ways = np.column_stack([np.cos(self.directions), np.sin(self.directions)])
-        return float(overlap_area(self.bearing.geometry.plan, distance * ways).min())
+        unit_vectors = np.column_stack([np.cos(self.directions), np.sin(self.directions)])
+        return float(overlap_area(self.bearing.geometry.plan, distance * unit_vectors).min())
 
 
 def layer_strains(
@@ -140,29 +155,34 @@ def layer_strains(
     D_a P / (A G S) and D_r L^2 theta / (t T_r), with P [kN], theta [rad], the secant modulus G
     [GPa] and the size L of the plan in the direction of motion (data/design/provisions.toml).
     """
-    geometry, known = bearing.geometry, _known()
+    geometry, provisions = bearing.geometry, _load_provisions()
     plan, thickness = geometry.plan, geometry.rubber_thickness
-    pressed = axial_force / (plan.area * modulus * geometry.first_shape_factor)
-    turned = plan.breadth**2 * rotation / (thickness * geometry.total_rubber_thickness)
-    return known.compression.of(plan) * pressed, known.rotation.of(plan) * turned
+    compression_ratio = axial_force / (plan.area * modulus * geometry.first_shape_factor)
+    rotation_ratio = plan.breadth**2 * rotation / (thickness * geometry.total_rubber_thickness)
+    return provisions.compression.of(plan) * compression_ratio, provisions.rotation.of(
+        plan
+    ) * rotation_ratio
 
 
 def _of_plan(check: _CodeCheck, demand: _Demand, bearing: Bearing) -> tuple[float, float, str]:
     """Return value, limit and unit of a check that needs the plan of the bearing."""
-    moved, plan = demand.displacement[check.level], bearing.geometry.plan
+    displacement, plan = demand.displacement[check.level], bearing.geometry.plan
+    # Under tension the checks of compression have no demand; `_uplift` compares the tension.
     force = demand.axial_force if demand.axial_force >= 0.0 else math.nan
-    pressed, turned = layer_strains(bearing, force, demand.rotation, demand.modulus)
+    by_compression, by_rotation = layer_strains(bearing, force, demand.rotation, demand.modulus)
     if check.measure == "compression_strain":
-        return pressed, check.limit, "1"
+        return by_compression, check.limit, "1"
     if check.measure == "total_strain":
-        total = pressed + moved / demand.rubber + check.rotation_factor * turned
+        total = by_compression + displacement / demand.rubber + check.rotation_factor * by_rotation
         return total, check.limit, "1"
     if check.measure == "overlap_stress":
-        area = demand.overlap(moved)
+        area = demand.overlap(displacement)
         force *= NEWTON_PER_KILONEWTON
-        return (force / area if area > 0.0 else force * math.inf), check.limit, "MPa"
-    area = demand.overlap(check.displacement_factor * moved)
-    critical = critical_load(bearing.geometry, demand.modulus) * area / plan.area
+        # Without overlap the stress of any load is infinite, and of no load it is not defined.
+        stress = force / area if area > 0.0 else force * math.inf
+        return stress, check.limit, "MPa"
+    area = demand.overlap(check.displacement_factor * displacement)
+    critical = critical_load(bearing.geometry, demand.modulus, bearing.lead) * area / plan.area
     return check.load_factor * force, critical / check.reserve, "kN"
 
 
@@ -175,29 +195,57 @@ def _missing(check: _CodeCheck, demand: _Demand) -> str:
     return "needs the plan of the bearing; " if demand.bearing is None else ""
 
 
-def _checks(code: _Code, demand: _Demand, part: str, zone: int) -> list[Check]:
+def _with_entered(check: _CodeCheck, code: _Code, limits: Limits | None) -> tuple[_CodeCheck, bool]:
+    """Return a check with the limit that an office has entered, and whether it has."""
+    limit = None if limits is None else limits.of(code.name, check.key)
+    if limit is None:
+        return check, False
+    name = "reserve" if check.measure == "buckling" else "limit"
+    return check.model_copy(update={name: limit.number, "clause": limit.describe()}), True
+
+
+def _uplift(check: _CodeCheck, demand: _Demand) -> tuple[float, float, str]:
+    """Return axial force, its least value and unit; the limit of a check is a tensile stress."""
+    # Where no tensile stress is stated, tension of any size exceeds the limit of zero, and
+    # compression is not assessed.
+    if math.isnan(check.limit):
+        return demand.axial_force, 0.0 if demand.axial_force < 0.0 else math.nan, "kN"
+    if demand.bearing is None:
+        return math.nan, math.nan, "kN"
+    area = demand.bearing.geometry.plan.area
+    return demand.axial_force, -check.limit * area / NEWTON_PER_KILONEWTON, "kN"
+
+
+def _checks(
+    code: _Code, demand: _Demand, part: str, zone: int, limits: Limits | None
+) -> list[Check]:
     """Return the rows of one bearing; those of other zones are left out."""
-    found = []
-    for check in (one for one in code.checks if zone in one.zones):
+    checks = []
+    for stated in code.checks:
+        if zone not in stated.zones:
+            continue
+        check, entered = _with_entered(stated, code, limits)
         if check.measure == "shear_strain":
-            moved = demand.displacement[check.level]
-            numbers = moved / demand.rubber, check.limit, "1"
+            displacement = demand.displacement[check.level]
+            numbers = displacement / demand.rubber, check.limit, "1"
         elif check.measure == "rotation":
             numbers = demand.rotation, check.limit, "rad"
         elif check.measure == "tension":
-            numbers = demand.axial_force, 0.0 if demand.axial_force < 0.0 else math.nan, "kN"
+            numbers = _uplift(check, demand)
         elif demand.bearing is None:
             numbers = math.nan, check.limit, ""
         else:
             numbers = _of_plan(check, demand, demand.bearing)
         tension = check.measure == "tension"
-        about: dict[str, Any] = {"least": tension, "of_model": tension, "part": part}
+        properties: dict[str, Any] = {"least": tension, "of_model": tension and not entered}
         value, limit, _ = numbers
         clause = (_missing(check, demand) if math.isnan(value) else "") + check.clause
         if math.isinf(value) or (check.measure == "buckling" and limit == 0.0):
             clause += "; top and bottom no longer overlap"
-        found.append(Check(check.what, *numbers, clause, unverified=True, **about))
-    return found
+        checks.append(
+            Check(check.what, *numbers, clause, part=part, unverified=not entered, **properties)
+        )
+    return checks
 
 
 def _displacements(
@@ -206,41 +254,47 @@ def _displacements(
     """Return the displacements of lines by level of the motions [mm]; NaN without motions."""
     name = "bearing_displacement_max"
     if DIRECTION in data.dims:
-        data = data.sel({DIRECTION: DIRECTIONS[-1]})
-    every = counted(data, name, motions, rule, runs)
-    found: dict[int | None, Any] = {None: every}
+        data = data.sel({DIRECTION: DIRECTIONS[-1]})  # the resultant of both directions
+    of_all_motions = peaks_by_part(data, name, motions, rule, runs)
+    by_level: dict[int | None, Any] = {None: of_all_motions}
     for level in (1, 2):
-        lower = [mean_group(motion).startswith(LEVEL_1) for motion in motions]
-        mine = [k for k, first in enumerate(lower) if first == (level == 1)]
-        chosen = [motions[k] for k in mine]
-        found[level] = np.full_like(every, np.nan)
-        if mine:
-            found[level] = counted(data, name, chosen, rule, runs[mine])
-    return found
+        is_level_1 = [mean_group(motion).startswith(LEVEL_1) for motion in motions]
+        places = [k for k, of_level_1 in enumerate(is_level_1) if of_level_1 == (level == 1)]
+        chosen = [motions[k] for k in places]
+        by_level[level] = np.full_like(of_all_motions, np.nan)
+        if places:
+            by_level[level] = peaks_by_part(data, name, chosen, rule, runs[places])
+    return by_level
 
 
+@checked
 def check_bearings(
     result: EarthquakeResult,
-    codes: Sequence[Code] = ("jra",),
+    codes: str | Sequence[Code] = ("jra",),
     *,
     rotation: float = 0.0,
     zone: int = 4,
+    limits: Limits | str | Path | dict[str, Any] | None = None,
 ) -> EarthquakeResult:
     """Check the bearings of an analysed bridge according to design codes, without a new analysis.
 
     Every line of bearings is checked at every temperature, with the displacement that the rule of
     the code gives for the motions: the mean of three or more of each group (JRA), or of seven or
     more (AASHTO), otherwise the largest. Motions whose `group` begins with "level 1" are those of
-    Level 1, all others of Level 2. Limits are those of data/design/provisions.toml: what could not
-    be confirmed has no limit, and no limit was checked against the printed code.
+    Level 1, all others of Level 2. Limits are those that an office has entered, otherwise those of
+    data/design/provisions.toml: what could not be confirmed has no limit, and no limit was checked
+    against the printed code.
 
     Parameters
     ----------
     result : of `bridge`, with an `axial_force`, without which the checks of compression and
         buckling have no demand.
-    codes : of "jra", JRA V (2017), and "aashto", AASHTO GSID (2014).
+    codes : of "jra", JRA V (2017), and "aashto", AASHTO GSID (2014); may be empty with `limits`.
     rotation : design rotation of the bearings [rad], in [0, 0.2].
     zone : seismic zone of AASHTO, a number from 1 to 4.
+    limits : limits that an office has confirmed: a file (`thermobearing limits new` writes one) or
+        a table by code and check, each with value, edition, clause and entered_by; those of the
+        analysis by default.
 
     Returns
     -------
@@ -259,61 +313,154 @@ def check_bearings(
     >>> rows["verdict"].tolist()[-5:]
     ['limit not available', 'OK', 'OK', 'OK', 'limit not available']
     """
-    chosen = load_codes(codes, rotation, zone)
+    if isinstance(limits, str | Path):
+        limits = load_limits(limits)
+    elif limits is not None and not isinstance(limits, Limits):
+        limits = validated(Limits, limits, "check_bearings(), limits")
     if not isinstance(result, EarthquakeResult):
         raise InputError(f"{type(result).__name__} is no result of a bridge", "check_bearings()")
     case = validated(EarthquakeCase, tomllib.loads(result.dataset.attrs["case"]), "result")
+    # A mean over some of the motions would not be that of the code.
     if result.outcome == "completed" and result.table["motion"].nunique() < len(case.motions):
         raise InputError("the result has a part of its motions; give all", "check_bearings()")
+    if limits is None:
+        limits = case.limits
+    chosen = load_codes(codes, rotation, zone, may_be_none=limits is not None)
+    # Rows of the same codes, from an earlier check, are replaced; those of other codes stay.
     titles = [code.title for code in chosen]
     rows: list[Row] = [
-        row for row in result.bearing_checks.to_dict("records") if row["code"] not in titles
+        _limited(row, limits)
+        for row in result.bearing_checks.to_dict("records")
+        if row["code"] not in titles
     ]
-    said = list(from_attribute(result.dataset, "warnings"))
+    warnings = list(from_attribute(result.dataset, "warnings"))
     for code in chosen:
         if result.outcome == "completed":
-            found = _rows(result, case, code, rotation, zone)
-            more = [f"not checked against the published text: {code.citation}"]
-            more += few_motions(case.motions, code.peaks) + failed_checks(found)
+            code_rows = _rows(result, case, code, rotation, zone, limits)
+            starred = any(row["unverified"] and not math.isnan(row["limit"]) for row in code_rows)
+            code_warnings = [f"not checked against the published text: {code.citation}"] * starred
+            code_warnings += few_motions(case.motions, code.peaks) + failed_checks(code_rows)
         else:
-            found, more = [], [f"not checked, because the analysis ended as {result.outcome}"]
-        said += [text for one in more if (text := f"{code.title}: {one}") not in said]
-        rows += found
-    attributes = {"bearing_checks": as_attribute(rows), "warnings": as_attribute(said)}
+            code_rows, code_warnings = (
+                [],
+                [f"not checked, because the analysis ended as {result.outcome}"],
+            )
+        warnings += [
+            text
+            for message in code_warnings
+            if (text := f"{code.title}: {message}") not in warnings
+        ]
+        rows += code_rows
+    attributes = {"bearing_checks": as_attribute(rows), "warnings": as_attribute(warnings)}
+    if limits != case.limits:
+        attributes["case"] = case.model_copy(update={"limits": limits}).to_toml()
     checked = EarthquakeResult(result.dataset.assign_attrs(attributes))
     checked.compared, checked.one_component = result.compared, result.one_component
     return checked
 
 
+def _limited(row: Row, limits: Limits | None) -> Row:
+    """Return a row of a result, of no code, with the limit that an office has entered."""
+    key = None if row["code"] else limit_keys().get(row["what"])
+    limit = None if limits is None or key is None else limits.of("bearing", key)
+    return row if limit is None else with_limit(dict(row), limit.number, limit.describe())
+
+
 def _rows(
-    result: EarthquakeResult, case: EarthquakeCase, code: _Code, rotation: float, zone: int
+    result: EarthquakeResult,
+    case: EarthquakeCase,
+    code: _Code,
+    rotation: float,
+    zone: int,
+    limits: Limits | None,
 ) -> list[Row]:
     """Return the rows of all bearings and temperatures."""
-    own = {item.line: item.bearing for item in case.lines if item.bearing is not None}
+    device_by_line = {item.line: item.bearing for item in case.lines if item.bearing is not None}
     names, forces = [line.name for line in case.structure.bearings], case.axial_forces()
-    devices, found = {one.name: one for one in case.bearings}, []
+    devices = {item.name: item for item in case.bearings}
+    rows: list[Row] = []
     table, data = result.table, result.dataset
     labels = [name for name in ("bearing", "ambient_degC", "mode", DIRECTION) if name in table]
     motions = dict(zip(dict.fromkeys(table["motion"]), case.motions, strict=True))
-    for key, mine in table.groupby(labels, sort=False):
-        name, ambient, *others = map(str, key)
-        alone = ALL_WAYS[-1:] if "y" in others else ALL_WAYS[:1]
-        directions = ALL_WAYS if DIRECTION in data.dims else alone
-        shaken = [motions[motion] for motion in mine["motion"]]
-        moved = _displacements(data, shaken, code.peaks, mine.index.to_numpy())
+    for key, group in table.groupby(labels, sort=False):
+        name, ambient, *qualifiers = map(str, key)
+        # The overlap of a plan that is not square depends on the direction: of one component it is
+        # x or y, of two that act together the resultant may have any.
+        single_direction = PLANE_DIRECTIONS[-1:] if "y" in qualifiers else PLANE_DIRECTIONS[:1]
+        directions = PLANE_DIRECTIONS if DIRECTION in data.dims else single_direction
+        group_motions = [motions[motion] for motion in group["motion"]]
+        displacements = _displacements(data, group_motions, code.peaks, group.index.to_numpy())
         for k, line in enumerate(names):
-            device = own.get(line, devices[name])
+            device = device_by_line.get(line, devices[name])
             bearing = device if isinstance(device, Bearing) else None
             demand = _Demand(
                 bearing,
                 device.total_rubber_thickness,
                 forces.get(line, math.nan),
-                {level: float(values[k]) for level, values in moved.items()},
+                {level: float(values[k]) for level, values in displacements.items()},
                 rotation,
                 math.nan if bearing is None else checked_modulus(bearing, float(ambient)),
                 directions,
             )
-            checks = _checks(code, demand, line if len(names) > 1 else "", zone)
-            where = ", ".join([f"{float(ambient):g} degC", *others])
-            found += check_rows(where, device.name, checks, code.title)
-    return found
+            checks = _checks(code, demand, line if len(names) > 1 else "", zone, limits)
+            where = ", ".join([f"{float(ambient):g} degC", *qualifiers])
+            rows += check_rows(where, device.name, checks, code.title)
+    return rows
+
+
+FILE = """# Limits of checks of bearings, as this office has read them in the printed codes.
+#
+# To confirm a limit, read it in the code, remove the "# " before its lines, and fill in: edition,
+# clause, value with its unit, and who entered it (name and date). The values below are unconfirmed:
+# from memory or from other texts. Use: thermobearing bridge ... --limits FILE
+"""
+COMPARED = {  # by measure: what is compared with the value
+    "shear_strain": "the displacement over the total rubber thickness",
+    "total_strain": "the shear strain of a layer by compression, displacement and rotation",
+    "compression_strain": "the shear strain of a layer by compression",
+    "overlap_stress": "the axial force over the overlap of top and bottom",
+    "buckling": "the critical load over the load; the value is the least ratio",
+    "tension": "the tension over the plan; the value is the largest tensile stress",
+    "rotation": "the design rotation",
+}
+
+
+def limits_text(codes: str | Sequence[str]) -> str:
+    """Return a file of the limits of codes for an office to confirm: all of them as comments.
+
+    >>> print(limits_text(["aashto"]).splitlines()[6])
+    # AASHTO GSID (2014)
+    """
+    parts = [FILE]
+    for code in load_codes(codes):
+        parts.append(f"\n# {code.title}\n")
+        parts += [_entry(code.name, check) for check in code.checks]
+    parts.append("\n# Checks under a vertical load and in a plane, whatever the code\n")
+    for name, key in limit_keys().items():
+        unit = "%" if key == "local_strain" else "MPa"
+        parts.append(_commented(f"bearing.{key}", name, f'"... {unit}"', "no limit is known here"))
+    parts.append("\n# Checks of piers in the report, whatever the code\n")
+    about = "ductility; compared: the largest rotation of the hinge over that at yield"
+    parts.append(_commented("pier.ductility", about, "1.0", "first yield of the hinge"))
+    return "".join(parts)
+
+
+def _entry(code: str, check: _CodeCheck) -> str:
+    """Return the lines of a check in a file of limits."""
+    number = "..." if math.isnan(check.limit) else f"{check.limit:g}"
+    if check.measure.endswith("strain"):
+        number = number if number == "..." else f"{PERCENT * check.limit:g}"
+        value = f'"{number} %"'
+    elif check.measure == "buckling":
+        value = f"{check.reserve:.1f}"
+    else:
+        value = f'"{number} {"rad" if check.measure == "rotation" else "MPa"}"'
+    subject = f"{check.what}; compared: {COMPARED[check.measure]}"
+    return _commented(f"{code}.{check.key}", subject, value, check.clause)
+
+
+def _commented(table: str, subject: str, value: str, remark: str) -> str:
+    """Return a limit as comments: what is compared, and the lines to be confirmed."""
+    lines = [f"[{table}]", 'edition = ""', 'clause = ""', f"value = {value}", 'entered_by = ""']
+    remarks = [part for line in (subject, f"unconfirmed: {remark}") for part in wrap(line, WIDTH)]
+    return "\n" + "".join(f"# {line}\n" for line in (*remarks, *lines))

@@ -11,6 +11,7 @@ import numpy as np
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.bearing.state import RubberState, has_excess, states_table
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.text_file import file_names
@@ -20,14 +21,20 @@ from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import post_yield_ratio
 from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.design import codes
-from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text
+from thermobearing.design.bounds import BOUNDS_NOTE, bound_models, opensees_text, virgin_bound
 from thermobearing.design.case import DesignCase, make_design_case
-from thermobearing.design.peaks import coldest_sentences, envelope, few_motions, peak_rule
+from thermobearing.design.peaks import (
+    coldest_sentences,
+    envelope,
+    few_motions,
+    peak_rule,
+    state_sentences,
+)
 from thermobearing.design.sizing import EqualBearing, Round, third_cycle
 from thermobearing.design.tables import (
     bounds_sentences,
     code_sentences,
-    demands_table,
+    demands_tables,
     design_checks_table,
     design_tables,
     factor_tables,
@@ -47,17 +54,23 @@ from thermobearing.results.ranges import (
 )
 from thermobearing.results.writing import write_csv
 
+VIRGIN = RubberState(rubber="virgin")
 USABLE = ("converged", "two_sizes")  # outcomes of a design
 ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 
 
 def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
     """Return a warning for each cause: what left the tests, by bearing its rows and ranges."""
-    said: list[tuple[str, str]] = []
+    messages: list[tuple[str, str]] = []
     for name, (rows, ranges) in tests.items():
         outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
-        said += [(name, text.removeprefix(f"{name}: ")) for text in outside]
-    return one_per_cause(said)
+        messages += [(name, text.removeprefix(f"{name}: ")) for text in outside]
+    return one_per_cause(messages)
+
+
+def _no_rows() -> "pd.DataFrame":
+    """Return an empty table; naming the class in its place would import pandas with this module."""
+    return pd.DataFrame()
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
@@ -76,6 +89,7 @@ class Design(Result):
     equal : layered bearings scaled to the stiffness of each group in that round.
     chosen : number of the adopted round; the last by default.
     temperatures : peaks of the layered bearings at every temperature; see `collect_peaks`.
+    virgin : the same with virgin rubber, which bounds forces and piers.
     """
 
     title: ClassVar[str] = "Design"
@@ -90,7 +104,8 @@ class Design(Result):
     study: EarthquakeResult
     equal: list[EqualBearing] = field(default_factory=list)
     chosen: int = 0
-    temperatures: "pd.DataFrame" = field(default_factory=lambda: pd.DataFrame())  # noqa: PLW0108
+    temperatures: "pd.DataFrame" = field(default_factory=_no_rows)
+    virgin: "pd.DataFrame" = field(default_factory=_no_rows)
 
     @property
     def taken(self) -> list[Round]:
@@ -136,23 +151,26 @@ class Design(Result):
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
         rows = self.tested_range.to_dict("records")
-        every: list[Bearing | BilinearBearing] = [*self.bearings]
-        every += [item.bearing for item in self.equal]
+        bearings: list[Bearing | BilinearBearing] = [*self.bearings]
+        bearings += [item.bearing for item in self.equal]
+        bearings_by_name = {item.name: item for item in bearings}  # some share a size
         tests = {
             name: (
                 [row for row in rows if str(row["run"]).startswith(f"{name}, ")],
                 calibration_ranges(bearing),
             )
-            for name, bearing in {one.name: one for one in every}.items()  # some share a size
+            for name, bearing in bearings_by_name.items()
         }
         return [*few_motions(self.case.motions, self.case.peaks), *_beyond_tests(tests)]
 
     @property
     def _sheet(self) -> list[dict[str, Any]]:
         """The checks with their verdicts."""
-        left = {"of_model"} | ({"part"} if not any(check.part for check in self.checks) else set())
+        omitted = {"of_model"} | (
+            {"part"} if not any(check.part for check in self.checks) else set()
+        )
         rows = [asdict(check) | {"verdict": check.verdict} for check in self.checks]
-        return [{k: v for k, v in row.items() if k not in left} for row in rows]
+        return [{k: v for k, v in row.items() if k not in omitted} for row in rows]
 
     @cached_property
     def loops(self) -> dict[str, dict[str, tuple[Floats, Floats]]]:
@@ -160,37 +178,42 @@ class Design(Result):
 
         Of the bilinear bearing, and of the layered ones their third cycle, with heating.
         """
-        found = {}
+        by_group = {}
         for turn, bearing in zip(self.taken, self.bearings, strict=True):
+            # Branches k2 x ± q; unloading with k1 from (u, k2 u + q) meets the lower one at the
+            # knee.
             u, q, k1, k2 = turn.assumed, turn.strength, turn.initial, turn.post_yield
             knee = u - 2.0 * q / (k1 - k2)
             x = np.array([u, knee, -u, -knee, u])
             force = np.array([q + k2 * u, k2 * knee - q, -q - k2 * u, q - k2 * knee, q + k2 * u])
-            mine = [item.bearing for item in self.equal if item.group == turn.group]
+            layered_bearings = [item.bearing for item in self.equal if item.group == turn.group]
             loops = {f"{bearing.name} (bilinear)": (x, force)}
-            found[turn.group] = loops | {one.name: third_cycle(one, u) for one in mine}
-        return found
+            by_group[turn.group] = loops | {
+                layered.name: third_cycle(layered, u) for layered in layered_bearings
+            }
+        return by_group
 
     def tables(self) -> dict[str, Table]:
         """Return rounds, calculation sheet, layered bearings, and their peaks by temperature."""
         summary = self.summary()
-        found = design_tables(summary)
-        rounds = found.pop("rounds")
-        return {"rounds": rounds, "checks": design_checks_table(summary), **found}
+        later_tables = design_tables(summary)
+        rounds = later_tables.pop("rounds")
+        return {"rounds": rounds, "checks": design_checks_table(summary), **later_tables}
 
     def notes(self) -> list[str]:
         """Return the verdict, the rule for peaks, the published design, and the coldest day."""
-        rule, found = peak_rule(self.case.peaks), [self.sentence]
-        found.append(f"Peaks are {rule.says}; {rule.source}{'*' * rule.unverified}.")
+        rule, sentences = peak_rule(self.case.peaks), [self.sentence]
+        sentences.append(f"Peaks are {rule.says}; {rule.source}{'*' * rule.unverified}.")
         if self.first_within is not None:
-            found.append(f"Round {self.first_within} was the first within {ENOUGH:.0%}.")
+            sentences.append(f"Round {self.first_within} was the first within {ENOUGH:.0%}.")
         printed = make_design_case({}, "default")
         keys = {"structure", "compound", "compound_kind", "weight"}
         if self.case.model_dump(include=keys) == printed.model_dump(include=keys):
-            found.append(_published_design())
-        found += coldest_sentences(self.temperatures)
+            sentences.append(_published_design())
+        sentences += coldest_sentences(self.temperatures)
+        sentences += state_sentences(self.temperatures, self.virgin)
         starred = rule.unverified or any(check.unverified for check in self.checks)
-        return [*found, codes.FOOTNOTE] if starred else found
+        return [*sentences, codes.FOOTNOTE] if starred else sentences
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -213,6 +236,8 @@ class Design(Result):
             "temperatures": self.temperatures.to_dict("records"),
             "envelope": envelope(self.temperatures).to_dict("records"),
             "coldest_day": coldest_sentences(self.temperatures),
+            "virgin": self.virgin.to_dict("records"),
+            "both_states": state_sentences(self.temperatures, self.virgin),
             "equal": [
                 {
                     "name": item.bearing.name,
@@ -231,6 +256,8 @@ class Design(Result):
         write_csv(folder / files.CHECKS, pd.DataFrame(self._sheet))
         if len(self.temperatures):
             write_csv(folder / files.TEMPERATURES, self.temperatures)
+        if len(self.virgin):
+            write_csv(folder / files.VIRGIN, self.virgin)
         (folder / files.BEARINGS).mkdir()
         bearings = {bearing.name: to_toml(bearing) for bearing in self.bearings}
         bearings |= {item.bearing.name: to_toml(item.bearing) for item in self.equal}
@@ -241,14 +268,14 @@ class Design(Result):
 def _published_design() -> str:
     """Return the design of Shen (2023) in a sentence."""
     published = read_toml(data_path("design", "source.toml"))
-    bearing, more = published["bearing"], published["more"]
-    hdr, lhdr = more["equal_K_B_kN_mm"]
+    bearing, details = published["bearing"], published["more"]
+    hdr, lhdr = details["equal_K_B_kN_mm"]
     return (
         f"Shen (2023), Tables 6.1 and 6.3: u_B {bearing['u_B_mm']:g} mm, "
-        f"{bearing['side_mm']:g} mm, {bearing['layers']}x{more['layer_thickness_mm']:g}, K_B "
+        f"{bearing['side_mm']:g} mm, {bearing['layers']}x{details['layer_thickness_mm']:g}, K_B "
         f"{bearing['K_B_kN_mm']:.3f} kN/mm, Q_d {bearing['Q_d_kN']:g} kN; equal HDR and LHDR "
-        f"bearings {more['equal_side_mm']:g} mm, "
-        f"{more['equal_layers']}x{more['equal_layer_thickness_mm']:g}, K_B {hdr:g} and "
+        f"bearings {details['equal_side_mm']:g} mm, "
+        f"{details['equal_layers']}x{details['equal_layer_thickness_mm']:g}, K_B {hdr:g} and "
         f"{lhdr:g} kN/mm. The motions of that design are not public; the displacement "
         "therefore differs."
     )
@@ -270,8 +297,8 @@ class BoundsReport(Result):
     @property
     def table(self) -> "pd.DataFrame":
         """All tables below each other."""
-        own = self.studies.items()
-        return pd.concat([t.assign(bearing=name, structure=self.structure) for name, t in own])
+        studies = self.studies.items()
+        return pd.concat([t.assign(bearing=name, structure=self.structure) for name, t in studies])
 
     @property
     def outcome(self) -> str:
@@ -291,9 +318,9 @@ class BoundsReport(Result):
     @property
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested ranges."""
-        own = self.studies.items()
+        studies = self.studies.items()
         return _beyond_tests(
-            {n: (t.attrs.get("tested_range", []), t.attrs.get("ranges")) for n, t in own}
+            {n: (t.attrs.get("tested_range", []), t.attrs.get("ranges")) for n, t in studies}
         )
 
     @property
@@ -301,9 +328,15 @@ class BoundsReport(Result):
         """What the bearings stand on."""
         return next((str(t.attrs.get("structure", "")) for t in self.studies.values()), "")
 
+    @property
+    def _states(self) -> dict[str, Any]:
+        """States of the rubber, by bearing."""
+        tables = self.studies.values()
+        return {k: row for t in tables for k, row in t.attrs.get("rubber_state", {}).items()}
+
     def tables(self) -> dict[str, Table]:
-        """Return the demands of the bounds and of the coupled model."""
-        return {"demands": demands_table(self.summary())}
+        """Return the demands of the bounds and of the coupled model, in both states of rubber."""
+        return demands_tables(self.summary())
 
     def notes(self) -> list[str]:
         """Return how many demands are unsafe, and the least safe one."""
@@ -321,6 +354,7 @@ class BoundsReport(Result):
             "sentence": self.sentence,
             "inputs": {name: table.attrs.get("inputs") for name, table in self.studies.items()},
             "rows": {name: table.to_dict("records") for name, table in self.studies.items()},
+            "rubber_state": self._states,
         }
 
     def _write(self, folder: Path) -> None:
@@ -329,7 +363,7 @@ class BoundsReport(Result):
 
 def _site_summary(site: Site) -> dict[str, Any]:
     """Return the statistics of a site, with their tables as records."""
-    values = {one.name: getattr(site, one.name) for one in fields(site)}
+    values = {entry.name: getattr(site, entry.name) for entry in fields(site)}
     return {
         name: value.to_dict("records") if isinstance(value, pd.DataFrame) else value
         for name, value in values.items()
@@ -350,6 +384,11 @@ class FactorReport(Result):
     cycles: str
     sizes: "tuple[pd.DataFrame, dict[float, CyclicResult]] | None" = None  # from `scale_study`
     site: Site | None = None  # with its cold
+    bands: "pd.DataFrame" = field(default_factory=_no_rows)  # from `rate_bands`
+    state: RubberState | None = None  # of the rubber of `table`
+    tables_by_state: "dict[str, pd.DataFrame]" = field(
+        default_factory=dict
+    )  # tables of tested, virgin rubber
 
     @property
     def name(self) -> str:
@@ -381,18 +420,43 @@ class FactorReport(Result):
 
     @cached_property
     def _bounds(self) -> "pd.DataFrame":
-        """Lower and upper bilinear model."""
+        """Lower and upper bilinear model of tested rubber, and the upper one of virgin rubber."""
         first = self.bearings[0]
-        return bound_models(self.table, self.strain, first.total_rubber_thickness, first.kind)
+        conditions = self.strain, first.total_rubber_thickness, first.kind
+        bounds = bound_models(self.tables_by_state.get("tested", self.table), *conditions)
+        if len(self.states):
+            bounds = pd.concat(
+                [bounds, virgin_bound(self.tables_by_state["virgin"], *conditions)],
+                ignore_index=True,
+            )
+        return bounds
+
+    @cached_property
+    def states(self) -> "pd.DataFrame":
+        """First cycle of tested and of virgin rubber at each temperature, and virgin over tested.
+
+        Empty if no excess of virgin rubber is known or assumed.
+        """
+        if not self.tables_by_state or not has_excess(self.bearings[0]):
+            return pd.DataFrame()
+        keys = ["strain", "ambient_degC", "quantity", "unit"]
+        cycles = pd.DataFrame(
+            {
+                name: table[table["basis"] == "first"].set_index(keys)["value"]
+                for name, table in self.tables_by_state.items()
+            }
+        )
+        return cycles.assign(ratio=cycles["virgin"] / cycles["tested"]).reset_index()
 
     def tables(self) -> dict[str, Table]:
-        """Return factors, their comparison with codes, and bounds."""
+        """Return factors, their comparison with codes, bounds, and virgin over tested rubber."""
         return factor_tables(self.summary())
 
     def notes(self) -> list[str]:
         """Return the provisions of codes with their origin, and a note on strain rates."""
         rate = rate_note(self.table.attrs.get("tested_range", []))
-        return [*code_sentences(self.summary()["codes"]), *[rate] * bool(rate)]
+        sentences = code_sentences(self.summary()["codes"])
+        return [*sentences, rate] if rate else sentences
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -423,6 +487,10 @@ class FactorReport(Result):
             "codes": [item.model_dump() for item in codes.published().codes],
             "reasons": codes.reasons(compared, self.strength_share),
             "factors": self.table.to_dict("records"),
+            "bands": self.bands.to_dict("records"),
+            "state": None if self.state is None else self.state.describe(),
+            "states": self.states.to_dict("records"),
+            "rubber_state": states_table({self.name: (first, VIRGIN)}) if len(self.states) else {},
             "site": None if self.site is None else _site_summary(self.site),
             "published": [item.model_dump() for item in codes.tables_for(first.kind)],
         }
@@ -430,6 +498,8 @@ class FactorReport(Result):
     def _write(self, folder: Path) -> None:
         write_csv(folder / files.FACTORS, self.table)
         write_csv(folder / files.BOUNDS, self._bounds)
+        if len(self.states):
+            write_csv(folder / files.STATES, self.states)
         for file, language in ((files.BOUNDS_TCL, "tcl"), (files.BOUNDS_PYTHON, "python")):
             text = opensees_text(self._bounds, self.name, language)
             (folder / file).write_text(text, encoding="utf-8")

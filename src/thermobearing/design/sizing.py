@@ -13,6 +13,7 @@ from pydantic import Field
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import resized
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import RATIO, Strict, in_unit
@@ -55,10 +56,10 @@ def load_curves() -> Curves:
 
 def load_rubber(name: str, kind: Kind = "HDR") -> DesignRubber:
     """Return a compound by name and kind."""
-    known = {item.name: item for item in load_curves().compounds if item.kind == kind}
-    if name in known:
-        return known[name]
-    wrong, names = (name, list(known)) if known else (kind, ["HDR", "HDR-S"])
+    compounds = {item.name: item for item in load_curves().compounds if item.kind == kind}
+    if name in compounds:
+        return compounds[name]
+    wrong, names = (name, list(compounds)) if compounds else (kind, ["HDR", "HDR-S"])
     raise InputError(f'no {kind} rubber is called "{wrong}"{nearest(wrong, names)}')
 
 
@@ -95,13 +96,13 @@ def equivalent_bilinear(
     stiffness: float, damping: float, displacement: float, stiffness_ratio: float
 ) -> BilinearParameters:
     """Return the bilinear model of an equivalent stiffness and damping ratio at a displacement."""
-    found = solve_backbone(stiffness, damping, displacement, stiffness_ratio)
-    if found is None:
+    parameters = solve_backbone(stiffness, damping, displacement, stiffness_ratio)
+    if parameters is None:
         raise InputError(
             f"no bilinear model with K_2/K_1 = {stiffness_ratio:g} has a damping ratio of "
             f"{damping:g}; try a smaller ratio"
         )
-    return found
+    return parameters
 
 
 # The size of a bearing.
@@ -159,15 +160,16 @@ def size_bearing(displacement: float, weight: float, rules: SizingRules) -> Size
     """Return the smallest bearing that keeps the rules."""
     if not displacement > 0.0 or not weight > 0.0:
         raise InputError(f"displacement {displacement:g} mm and weight {weight:g} kN must be > 0")
+    # 1e-9: rounding must not add a layer, nor a step, to a size that fits exactly.
     layers = max(1, math.ceil(displacement / (rules.design_strain * rules.layer_thickness) - 1e-9))
     if layers > MOST_LAYERS:
         raise InputError(
             f"a design displacement of {displacement:.0f} mm needs {layers} layers of "
             f"{rules.layer_thickness:g} mm; the limit is {MOST_LAYERS}"
         )
-    stable = rules.second_shape_factor * layers * rules.layer_thickness
-    strong = math.sqrt(weight * NEWTON_PER_KILONEWTON / rules.stress)
-    steps = math.ceil(max(stable, strong) / rules.plan_step - 1e-9)
+    side_for_stability = rules.second_shape_factor * layers * rules.layer_thickness
+    side_for_stress = math.sqrt(weight * NEWTON_PER_KILONEWTON / rules.stress)
+    steps = math.ceil(max(side_for_stability, side_for_stress) / rules.plan_step - 1e-9)
     return Size(steps * rules.plan_step, layers, rules.layer_thickness)
 
 
@@ -177,12 +179,13 @@ def report_checks(
     """Return the calculation sheet of a bearing: strain, stress, shape factors."""
     stress = weight * NEWTON_PER_KILONEWTON / size.area
     first, second = size.first_shape_factor, size.second_shape_factor
-    far = "largest strain tested, Table 3.4"
-    far = far if rules.strain_limit == STRAIN_LIMIT else "sizing.strain_limit"
+    limit_source = "largest strain tested, Table 3.4"
+    if rules.strain_limit != STRAIN_LIMIT:
+        limit_source = "sizing.strain_limit"
     tests = "of the tests, section 3.3"
     chosen, usual = "chosen", "usual in Japan"
     return [
-        Check("shear strain", strain, rules.strain_limit, "1", far, part=part),
+        Check("shear strain", strain, rules.strain_limit, "1", limit_source, part=part),
         Check("compressive stress", stress, rules.stress, "MPa", tests, part=part),
         Check("first shape factor", first, 5.0, "1", chosen, True, part, True),
         Check("second shape factor", second, 4.0, "1", usual, True, part, True),
@@ -191,10 +194,11 @@ def report_checks(
 
 def pier_checks(ductility: Mapping[str, float], rules: SizingRules) -> list[Check]:
     """Return the check of the ductility of every pier that has a hinge."""
-    large = "a large value for a pier in an isolated bridge, section 6.3.3"
-    large = large if rules.ductility_limit == DUCTILITY_LIMIT else "sizing.ductility_limit"
+    limit_source = "a large value for a pier in an isolated bridge, section 6.3.3"
+    if rules.ductility_limit != DUCTILITY_LIMIT:
+        limit_source = "sizing.ductility_limit"
     return [
-        Check("pier ductility", value, rules.ductility_limit, "1", large, part=pier)
+        Check("pier ductility", value, rules.ductility_limit, "1", limit_source, part=pier)
         for pier, value in ductility.items()
         if not math.isnan(value)
     ]
@@ -231,6 +235,7 @@ def _with_side(template: Bearing, side: float, layers: int) -> Bearing:
     return resized(template, geometry).model_copy(update={"name": name, "description": about})
 
 
+@checked
 def equal_bearing(
     template: Bearing | str | Path,
     stiffness: float,
@@ -279,16 +284,20 @@ def equal_bearing(
         )
     strain = displacement / (layers * thickness)
 
-    def _sheared(side: float) -> float:
+    def _stiffness_of_side(side: float) -> float:
         return isothermal_cycle(_with_side(template, side, layers), strain).stiffness_kN_mm
 
+    # The stiffness increases with the side; the smallest plan must hold the lead.
     low, high = math.sqrt(1.02 * template.lead_area) + ROUNDING, 5000.0
-    if not _sheared(low) <= stiffness <= _sheared(high):
+    if not _stiffness_of_side(low) <= stiffness <= _stiffness_of_side(high):
         raise InputError(
             f"{template.name}: no plan of {low:.0f} to {high:.0f} mm gives {stiffness:g} kN/mm"
         )
-    exact = scipy.optimize.brentq(lambda side: _sheared(side) - stiffness, low, high, xtol=0.05)
+    exact = scipy.optimize.brentq(
+        lambda side: _stiffness_of_side(side) - stiffness, low, high, xtol=0.05
+    )
     side = ROUNDING * round(exact / ROUNDING)
+    # Stiffness and damping are those of the rounded plan, not the ones that were asked for.
     bearing = _with_side(template, side, layers)
     measured = isothermal_cycle(bearing, strain)
     return EqualBearing(bearing, measured.stiffness_kN_mm, measured.h_eq, displacement)
@@ -354,12 +363,14 @@ def size_name(turn: Round) -> str:
 
 def _two_sizes(rounds: Sequence[Round], tolerance: float) -> tuple[Round, Round] | None:
     """Rounds on both sides of a jump between two sizes where no design is; None if there may be."""
-    short = [turn for turn in rounds if turn.difference > tolerance]
-    ample = [turn for turn in rounds if turn.difference < -tolerance]
-    if not short or not ample:
+    too_small = [turn for turn in rounds if turn.difference > tolerance]
+    large_enough = [turn for turn in rounds if turn.difference < -tolerance]
+    if not too_small or not large_enough:
         return None
-    low = max(short, key=lambda turn: turn.assumed)
-    high = min(ample, key=lambda turn: turn.assumed)
+    # The largest displacement whose size moves farther, and the smallest whose size moves less: if
+    # they have come together and their sizes still differ, full layers leave no size between them.
+    low = max(too_small, key=lambda turn: turn.assumed)
+    high = min(large_enough, key=lambda turn: turn.assumed)
     close = 0.0 < high.assumed - low.assumed <= tolerance * low.assumed
     return (low, high) if close and low.size != high.size else None
 
@@ -369,27 +380,32 @@ class Search:
     """The search for the displacement that one group of lines is sized for.
 
     The found displacement replaces the assumed one [mm]; where they cross over, the next guess goes
-    half-way only (`gain`). Between two sizes that alternate (`held`) it holds the larger one, until
-    the other groups have changed so much that this one moves farther than it is sized for.
+    half-way only (`gain`). Between two sizes that alternate (`alternating`) it holds the larger
+    one, until the other groups have changed so much that this one moves farther than it is sized
+    for.
     """
 
     assumed: float
     gain: float = 1.0
     rounds: list[Round] = field(default_factory=list)
-    held: tuple[Round, Round] | None = None
+    alternating: tuple[Round, Round] | None = None
 
     def settled(self, turn: Round, tolerance: float) -> bool:
         """Return whether a round needs no other: it agrees, or its held size is large enough."""
-        is_held = self.held is not None and turn.assumed == self.held[1].assumed
-        return turn.difference <= tolerance and (is_held or turn.difference >= -tolerance)
+        is_larger_size = (
+            self.alternating is not None and turn.assumed == self.alternating[1].assumed
+        )
+        return turn.difference <= tolerance and (is_larger_size or turn.difference >= -tolerance)
 
     def advance(self, turn: Round, tolerance: float) -> None:
         """Take a round and choose the next assumed displacement."""
-        if self.held is not None and turn.difference > tolerance:
-            self.rounds, self.held, self.gain = [], None, 1.0
-        before, self.rounds = self.rounds[-1:], [*self.rounds, turn]
-        self.held = self.held or _two_sizes(self.rounds, tolerance)
-        if before and turn.difference * before[0].difference < 0.0:
+        if self.alternating is not None and turn.difference > tolerance:
+            # The other groups have changed: earlier rounds of this one no longer hold.
+            self.rounds, self.alternating, self.gain = [], None, 1.0
+        previous, self.rounds = self.rounds[-1:], [*self.rounds, turn]
+        self.alternating = self.alternating or _two_sizes(self.rounds, tolerance)
+        # The last step went past the solution: half-way converges where the full step swings.
+        if previous and turn.difference * previous[0].difference < 0.0:
             self.gain *= 0.5
-        free = self.assumed + self.gain * (turn.found - self.assumed)
-        self.assumed = self.held[1].assumed if self.held else free
+        unconstrained = self.assumed + self.gain * (turn.found - self.assumed)
+        self.assumed = self.alternating[1].assumed if self.alternating else unconstrained

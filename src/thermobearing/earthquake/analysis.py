@@ -1,29 +1,35 @@
 """Analyse bridges and hybrid tests for bearings, motions and ambient temperatures."""
 
+import tomllib
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar, Unpack, get_args
+from typing import Any, NamedTuple, TypeAlias, TypeVar, Unpack, get_args
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.state import RubberState, opposite, scragging_of
+from thermobearing.bearing.undecided import SMALL_LOOPS, alternatives
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
-from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.lazy import pd, xr
 from thermobearing.cyclic.case import Earlier, InitialState, Keep, Rig
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
 from thermobearing.earthquake.case import EarthquakeCase, Kept, Laboratory, make_earthquake_case
 from thermobearing.earthquake.motions import Motion
-from thermobearing.earthquake.result import COMPONENTS, EarthquakeResult
+from thermobearing.earthquake.result import BANDS, COMPONENTS, EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
-from thermobearing.earthquake.tables import components_frame
+from thermobearing.earthquake.tables import bands_frame, changes_by_run, components_frame
 from thermobearing.model.earlier import REFERENCE, Model, models_that_fit
 from thermobearing.model.handover import SpecimenState
+from thermobearing.model.limits import Limits
 from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
+from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
@@ -34,9 +40,10 @@ AnyMotion: TypeAlias = GroundMotion | MotionPair | Motion | str | Path | dict[st
 
 
 class EarthquakeKeywords(ModelKeywords, total=False):
-    """What `bridge` and `hybrid` take besides: `axial_force`, and fields of their options."""
+    """What `bridge` and `hybrid` take besides: loads, limits, and fields of their options."""
 
     axial_force: float | None
+    limits: Limits | str | Path | dict[str, Any] | None
     fixed_base: bool | None
     duration: float | None
     dt: float | None
@@ -45,19 +52,20 @@ class EarthquakeKeywords(ModelKeywords, total=False):
     damping: DampingKind | None
 
 
-@checked_keywords
+@checked
 def bridge(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
     motion: OneOrMore[AnyMotion] | None = None,
     ambient: OneOrMore[float] | str | Path | None = None,
     *,
-    structure: Structure | str | Path | None = None,
+    structure: Structure | str | Path | dict[str, Any] | None = None,
     lines: Sequence[dict[str, Any]] | None = None,
     model: ModelOptions | Model | None = None,
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
     keep: Keep | Sequence[Kept] | None = None,
     rig: Rig | str | Path | dict[str, Any] | None = None,
     components: int | Sequence[int] | None = None,
+    bands: bool = False,
     executor: Executor | None = None,
     progress: Progress | None = None,
     **options: Unpack[EarthquakeKeywords],
@@ -75,11 +83,12 @@ def bridge(
         bearings then have a film of 12 W/(m2 K), sides 10 mm of cover rubber.
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
     lines : a table for each bearing line that differs from the others: its name `line`, and
-        `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`.
+        `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`,
+        `state` (of its rubber: "tested", "virgin" or "recovered after 5 years").
     model : `ModelOptions`, or the name of an earlier model to compare with (model/earlier.py);
         "multi-layer" by default.
     initial : an earlier result of the one bearing, of `run`, `hybrid` or `bridge`, its directory,
-        or its state (`end_state`); virgin by default. Of several runs that of this bearing at
+        or its state (`end_state`); none by default. Of several runs that of this bearing at
         this ambient temperature counts.
     keep : histories of temperatures: ["rubber"] by default; ["rubber", "cells"] for the profiles
         through the height too. `Keep` also states the interval of steps (2 by default).
@@ -88,9 +97,13 @@ def bridge(
     axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6]; a table of `lines`
         may have its own (text with its unit). It changes no motion; the result then has checks of
         stress and critical load.
+    limits : limits of checks that an office has confirmed, a file or a table by code and check, for
+        `check_bearings`.
     components : of a structure in plan: horizontal components of the ground motion that act
         together, 2 by default in plan; with 1 each direction is analysed on its own. With both
         in a list they are compared in `result.one_component` and a table.
+    bands : also analyse what tests do not decide, the rate dependence above their rates and small
+        loops, and state how much it changes peaks and energy, in `result.bands`.
     executor : any `concurrent.futures` executor; threads by default.
     progress : called with (runs done, all runs).
     fixed_base : omit the foundation springs; bodies on them are fixed.
@@ -100,7 +113,7 @@ def bridge(
     mass : "consistent" (default) or "published".
     damping : "modal", "rayleigh", "element", "none" or "source"; by default that of the structure
         (pier-p1 and your own: modal; hybrid-pier: source).
-    options : fields of `ModelOptions`, such as scheme or lead_ends.
+    exposure, state : fields of `ModelOptions`, in place of those of `model`.
 
     Raises
     ------
@@ -117,8 +130,23 @@ def bridge(
     table |= {"structure": structure, "lines": lines, "rig": rig}
     table["components"], several = one_or_both(components)
     case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
+    return analyse(case, several=several, bands=bands, executor=executor, progress=progress)
+
+
+def analyse(
+    case: EarthquakeCase,
+    *,
+    several: bool = False,
+    bands: bool = False,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> EarthquakeResult:
+    """Return the result of a case, also with one component (`several`) and with bands if wanted."""
     run = compare_components if several else run_earthquake
-    return run(case, executor=executor, progress=progress)
+    result = run(case, executor=executor, progress=progress)
+    if not bands or result.outcome == INTERRUPTED:
+        return result
+    return with_bands(result, case, executor=executor, progress=progress)
 
 
 def one_or_both(components: Any) -> tuple[Any, bool]:
@@ -130,15 +158,14 @@ def one_or_both(components: Any) -> tuple[Any, bool]:
     return (max(components) if components else None), len(components) > 1
 
 
-@checked_keywords
+@checked
 def hybrid(
     bearing: OneOrMore[Bearing | BilinearBearing | str | Path] | None = None,
     motion: OneOrMore[AnyMotion] | None = None,
     ambient: OneOrMore[float] | str | Path | None = None,
     *,
-    structure: Structure | str | Path | None = None,
+    structure: Structure | str | Path | dict[str, Any] | None = None,
     lines: Sequence[dict[str, Any]] | None = None,
-    specimen: str | None = None,
     laboratory: Laboratory | dict[str, Any] | None = None,
     model: ModelOptions | Model | None = None,
     initial: InitialState | SpecimenState | Earlier | str | Path | None = None,
@@ -159,16 +186,17 @@ def hybrid(
         at `speed`, "10 mm/s" by default, on a slower clock) or both in a list, compared in
         `modes_table`; `delay` of the actuator, `compensation` (order of the extrapolation of the
         command by the delay), `force_noise` (standard deviation of the measured force) and its
-        `seed`; with a specimen also `time_out`, `force_limit` and `displacement_limit`; numbers as
-        text with their unit.
-    specimen : address of a specimen or program outside, "tcp://HOST:PORT", which moves and gives
-        the force in place of the modelled bearing of the reported line (wire format of OpenSees'
-        genericClient, one degree of freedom at two nodes, mm and kN). There is one run then; force
-        and energy are measured, temperatures are those of `bearing`, calculated along its path.
+        `seed`; numbers as text with their unit. Its `specimen` is the address of a specimen or
+        program outside, "tcp://HOST:PORT", which moves and gives the force in place of the
+        modelled bearing of the reported line (wire format of OpenSees' genericClient, one degree
+        of freedom at two nodes, mm and kN); with `time_out`, `force_limit` and
+        `displacement_limit`. There is one run then; force and energy are measured, temperatures
+        are those of `bearing`, calculated along its path.
     lines, model, initial, keep, rig, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
-    axial_force, fixed_base, duration, dt, mass, damping, options : as of `bridge`.
+    limits : not of a hybrid test.
+    axial_force, fixed_base, duration, dt, mass, damping, exposure, state : as of `bridge`.
 
     Raises
     ------
@@ -184,8 +212,6 @@ def hybrid(
     table = _table(bearing, motion, ambient, model, initial, keep, options)
     if isinstance(laboratory, Laboratory):
         laboratory = laboratory.model_dump(exclude_unset=True)
-    if specimen is not None:
-        laboratory = {**(laboratory or {}), "specimen": specimen}
     table |= {
         "structure": structure,
         "lines": lines,
@@ -208,7 +234,7 @@ def _table(
     """Return what `bridge` and `hybrid` have in common as keys of a case."""
     weather = isinstance(ambient, str | Path)
     start = InitialState.of(initial)
-    if start.temperature is not None or start.lead is not None:
+    if (start.temperature, start.lead, start.conditioning) != (None, None, None):
         rule = "begins at the ambient temperature, or where an earlier result ends"
         raise InputError(f"initial = {initial!r}: an earthquake {rule}")
     return {
@@ -225,6 +251,7 @@ def _table(
 Named = Bearing | str | Path
 
 
+@checked
 def sweep(
     bearing: Named | Sequence[Named],
     *,
@@ -272,6 +299,8 @@ def sweep(
     if motion is not None:
         return bridge(bearing, motion, ambient, **options).to_dataset()
     several = list(bearing) if isinstance(bearing, list | tuple) else [bearing]
+    if not several:
+        raise InputError("bearing: needs a bearing or several", "sweep()")
     bearings = [as_bearing(item) for item in several]
     names = [item.name for item in bearings]
     if len(set(names)) < len(names):
@@ -293,8 +322,8 @@ def compare_models(case: EarthquakeCase) -> dict[str, EarthquakeResult]:
         fitting = [bearing for bearing in _warm_bearings(case) if model in models_that_fit(bearing)]
         if fitting:
             analysis = case.analysis.model_copy(update={"model": model})
-            mine = case.model_copy(update={"analysis": analysis, "bearings": fitting})
-            results[model] = run_earthquake(mine)
+            model_case = case.model_copy(update={"analysis": analysis, "bearings": fitting})
+            results[model] = run_earthquake(model_case)
     return results
 
 
@@ -302,6 +331,7 @@ def compare_components(
     case: EarthquakeCase, *, executor: Executor | None = None, progress: Progress | None = None
 ) -> EarthquakeResult:
     """Return the result with two components, that with one at a time as its `one_component`."""
+    # Two components first: faults of its case, such as a structure in one direction, stop both.
     cases = [
         case.model_copy(update={"analysis": case.analysis.model_copy(update={"components": count})})
         for count in (2, 1)
@@ -311,11 +341,134 @@ def compare_components(
         faults.append("components: no motion has a component across the bridge; give pairs")
     if faults:
         raise InputError(faults, case.command)
-    found, one = (run_earthquake(own, executor=executor, progress=progress) for own in cases)
-    rows = as_attribute(components_frame(found, one).to_dict("records"))
-    found = EarthquakeResult(found.dataset.assign_attrs({COMPONENTS: rows}))
-    found.one_component = one
-    return found
+    result, single = (
+        run_earthquake(component_case, executor=executor, progress=progress)
+        for component_case in cases
+    )
+    rows = as_attribute(components_frame(result, single).to_dict("records"))
+    result = EarthquakeResult(result.dataset.assign_attrs({COMPONENTS: rows}))
+    result.one_component = single
+    return result
+
+
+def with_bands(
+    result: EarthquakeResult,
+    case: EarthquakeCase,
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> EarthquakeResult:
+    """Return a result with the bands of what tests do not decide, from analyses of the same case.
+
+    Every layered bearing has each of its `alternatives` once. One that the case does not allow,
+    such as closed small loops in a plane, is left out.
+    """
+    if case.specimen is not None:
+        raise InputError("bands: a specimen outside has no other law", case.command)
+    law = case.analysis.small_loops
+    devices = [*case.bearings, *(line.bearing for line in case.lines)]
+    layered = [bearing for bearing in devices if isinstance(bearing, Bearing)]
+    pairs = dict.fromkeys(key for bearing in layered for key in alternatives(bearing, law))
+    rows: list[dict[str, Any]] = []
+    for undecided, alternative in pairs:
+
+        def _changed(device: Any, key: tuple[str, str] = (undecided, alternative)) -> Any:
+            return alternatives(device, law).get(key) if isinstance(device, Bearing) else None
+
+        changed = [_changed(bearing) for bearing in case.bearings]
+        # Bearings without this alternative are not run again, unless lines have bearings of their
+        # own: those may have it, and are on a bridge with every bearing of the analysis.
+        if case.lines:
+            changed = [new or bearing for new, bearing in zip(changed, case.bearings, strict=True)]
+        lines = [
+            line.model_copy(update={"bearing": _changed(line.bearing) or line.bearing})
+            for line in case.lines
+        ]
+        # A law of small loops stated for the analysis would replace that of the changed bearings.
+        law_changes = {"small_loops": None} if undecided == SMALL_LOOPS else {}
+        changed_case = case.model_copy(
+            update={
+                "bearings": [bearing for bearing in changed if bearing is not None],
+                "lines": tuple(lines),
+                "analysis": case.analysis.model_copy(update=law_changes),
+            }
+        )
+        if not changed_case.bearings or changed_case.faults():
+            continue
+        changed_result = run_earthquake(changed_case, executor=executor, progress=progress)
+        rows += changes_by_run(result, changed_result, undecided)
+    bands = as_attribute(bands_frame(rows).to_dict("records"))
+    banded = EarthquakeResult(result.dataset.assign_attrs({BANDS: bands}), result.compared)
+    banded.one_component = result.one_component
+    return banded
+
+
+FORCE, STRAIN, DUCTILITY = "bearing_force_max_kN", "bearing_strain_max", "pier_ductility"
+
+
+class Rerun(NamedTuple):
+    """A peak of a governing run, and that of the same run with rubber in another state."""
+
+    column: str  # of the table of runs
+    run: str  # its name
+    before: float
+    after: float
+    outcome: str  # of the run with the other state
+
+
+class OtherBound(NamedTuple):
+    """The governing runs of an analysis with rubber in the state of the other bound."""
+
+    state: RubberState
+    assumed: bool  # whether its scragging is that of another compound
+    runs: int  # that were made
+    peaks: list[Rerun]
+
+
+def run_other_bound(result: EarthquakeResult) -> OtherBound | None:
+    """Run the governing runs of a bridge again with rubber in the state of the other bound.
+
+    Virgin rubber is the bound of forces and of the demand on piers, tested rubber that of
+    displacements: an analysis of tested rubber gets the largest force and ductility of virgin
+    rubber, any other the largest strain of tested rubber. These are one or two more runs. None for
+    hybrid tests, bilinear bearings and models, and a bearing that an earlier test left.
+    """
+    table = tomllib.loads(result.dataset.attrs["case"])
+    if table["command"] != "bridge" or "initial_state" in table:
+        return None
+    case = make_earthquake_case(table, "result")
+    bearings = {bearing.name: bearing for bearing in _warm_bearings(case)}
+    layered = result.table["bearing"].isin(list(bearings))
+    if case.analysis.model == "bilinear" or not layered.any():
+        return None
+    motions = dict(zip(dict.fromkeys(result["motion"].values.tolist()), case.motions, strict=False))
+    state = opposite(case.analysis.state, bearings[str(result.table["bearing"][layered].iloc[0])])
+    reruns: dict[tuple[str, str, float], EarthquakeResult] = {}
+    peaks = []
+    for column in (FORCE, DUCTILITY) if state.share else (STRAIN,):
+        candidates = result.table[layered & result.table[column].notna()]
+        if candidates.empty:
+            continue
+        place = int(candidates.index[place_of_largest(candidates[column])])
+        row: dict[Any, Any] = candidates.loc[place].to_dict()
+        key = (str(row["bearing"]), str(row["motion"]), float(row["ambient_degC"]))
+        # Force and ductility may be governed by the same run, which is then made once.
+        if key not in reruns:
+            update: dict[str, Any] = {"bearings": [bearings[key[0]]], "motions": [motions[key[1]]]}
+            update["ambient"] = [key[2]]
+            reruns[key] = run_earthquake(case.model_copy(update=update).with_state(state))
+        rerun = reruns[key]
+        peaks.append(
+            Rerun(
+                column,
+                run=result.run_names[place],
+                before=float(row[column]),
+                after=float(rerun.table[column].max()),
+                outcome=rerun.outcome,
+            )
+        )
+    unknown = any(scragging_of(bearings[name])[1] for name, _, _ in reruns)
+    return OtherBound(state, state.share > 0.0 and unknown, len(reruns), peaks)
 
 
 def _warm_bearings(case: EarthquakeCase) -> list[Bearing]:

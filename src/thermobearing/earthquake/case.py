@@ -10,10 +10,12 @@ from pydantic import BeforeValidator, Field, field_validator
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing, load_device
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import AxialForce, Bearing
+from thermobearing.bearing.state import RubberState, State
 from thermobearing.border.cases import absolute, load_all, load_things, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import Library, Sourced, sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
+from thermobearing.border.title import case_table
 from thermobearing.border.toml import to_toml
 from thermobearing.climate.readers import read_air
 from thermobearing.cyclic.case import (
@@ -27,19 +29,22 @@ from thermobearing.cyclic.case import (
 )
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.earthquake.motions import Motion, settle_motions
-from thermobearing.earthquake.specimen import read_address
+from thermobearing.earthquake.specimen import read_address, refuse_remote
+from thermobearing.model.axial import AxialFactor
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
+from thermobearing.model.limits import Limits, load_limits
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults, outdoors
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
-from thermobearing.report.title import case_table
 from thermobearing.structure.model import (
     STRUCTURES,
+    AxialTable,
     DampingKind,
     MassModel,
     Stiffness,
     Structure,
+    axial_table_faults,
     fixed_base,
     line_faults,
     load_structure,
@@ -56,7 +61,8 @@ class OnLine(Strict):
     `line` is its name in the structure, whose `count` and `equivalent_stiffness` it replaces;
     `ambient` the temperature there and of its bearings at the start [degC]; `weather` a file, a
     table or EPW, that ends when the earthquake begins, instead of `ambient`; `axial_force` that on
-    one of its bearings [kN], in [-1e6, 1e6].
+    one of its bearings [kN], in [-1e6, 1e6]; `state` that of their rubber at the start; `axial` the
+    table of its axial forces.
     """
 
     line: Annotated[str, Field(min_length=1, max_length=60)]
@@ -66,14 +72,17 @@ class OnLine(Strict):
     ambient: Temperature | None = None
     weather: Annotated[str, Field(min_length=1)] | None = None
     axial_force: AxialForce | None = None
+    state: State = None
+    axial: AxialTable | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        both = {"ambient", "weather"} <= set(given)
-        return ["give ambient or weather, not both"] if both else []
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        if {"ambient", "weather"} <= set(values):
+            return ["give ambient or weather, not both"]
+        return []
 
 
-def _settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
+def _load_line_bearings(table: dict[str, Any], folder: Path) -> list[str]:
     """Load the bearings of `lines` in the table of a case; return what is wrong."""
     if not isinstance(table.get("lines"), list | tuple):
         return []
@@ -88,17 +97,17 @@ def _settle_lines(table: dict[str, Any], folder: Path) -> list[str]:
 
 def _lines_faults(lines: Sequence[OnLine], structure: Structure) -> list[str]:
     """Return faults of lines: unknown or given twice, weather that cannot be read."""
-    found = line_faults(structure, [item.line for item in lines], "lines")
-    own = {item.line for item in lines if item.bearing is not None}
-    if own >= {line.name for line in structure.bearings}:
-        found.append(
+    faults = line_faults(structure, [item.line for item in lines], "lines")
+    lines_with_bearing = {item.line for item in lines if item.bearing is not None}
+    if lines_with_bearing >= {line.name for line in structure.bearings}:
+        faults.append(
             "lines: every line has its own bearing, so that bearings is not used; remove it, "
             "or leave a line without its own bearing"
         )
     for item in lines:
         if item.weather is not None:
-            found += _weather_faults(item.weather, f"lines, {item.line}: weather")
-    return found
+            faults += _weather_faults(item.weather, f"lines, {item.line}: weather")
+    return faults
 
 
 def _weather_faults(path: str, key: str) -> list[str]:
@@ -117,26 +126,37 @@ def _into_structure(
     lines: Sequence[OnLine], structure: Structure
 ) -> tuple[tuple[OnLine, ...], Structure]:
     """Put counts and stiffnesses of lines into the structure; return the lines without them."""
-    own = {"count", "equivalent_stiffness"}
-    changes = {item.line: item.model_dump(include=own, exclude_none=True) for item in lines}
+    structure_keys = ("count", "equivalent_stiffness", "axial")
+    changes = {
+        item.line: {
+            key: getattr(item, key) for key in structure_keys if getattr(item, key) is not None
+        }
+        for item in lines
+    }
     if not any(changes.values()):
         return tuple(lines), structure
     bearings = [line.model_copy(update=changes.get(line.name, {})) for line in structure.bearings]
-    left = [item.model_copy(update=dict.fromkeys(own)) for item in lines]
-    known = {line.name for line in bearings}  # a count of no line is for the checks to find
-    rest = tuple(
-        item
-        for item in left
-        if (item.bearing, item.ambient, item.weather, item.axial_force) != (None,) * 4
-        or item.line not in known
+    stripped = [item.model_copy(update=dict.fromkeys(structure_keys)) for item in lines]
+    # An item that only had a count or a stiffness is done with; one of an unknown line stays, so
+    # that the checks report it.
+    line_names = {line.name for line in bearings}
+    remaining = tuple(
+        item for item in stripped if _has_line_settings(item) or item.line not in line_names
     )
+    # Sources of replaced values do not hold for the new ones.
     changed = {
         f"bearings[{place}].{key}"
         for place, line in enumerate(structure.bearings)
         for key in changes.get(line.name, ())
     }
     sources = {key: text for key, text in structure.sources.items() if key not in changed}
-    return rest, structure.model_copy(update={"bearings": bearings}).with_sources(sources)
+    return remaining, structure.model_copy(update={"bearings": bearings}).with_sources(sources)
+
+
+def _has_line_settings(item: OnLine) -> bool:
+    """Return whether a line has settings of its own other than those of the structure."""
+    settings = (item.bearing, item.ambient, item.weather, item.axial_force, item.state)
+    return any(value is not None for value in settings)
 
 
 Command = Literal["bridge", "hybrid"]
@@ -156,11 +176,12 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "duration": "20 s",
     },
 }
-WAYS = ("initial_result", "initial_state")  # to start
-THINGS = {  # that a case names
+START_KEYS = ("initial_result", "initial_state")  # only one of them
+LOADERS = {  # of what a case names
     "structure": load_structure,
     "bearings": load_device,
     "rig": load_rig,
+    "limits": load_limits,
 }
 PSEUDO_DYNAMIC_SPEED = 10.0  # of the test of Shen (2023) [mm/s]
 Mode = Literal["rt", "pd"]
@@ -199,12 +220,12 @@ class Laboratory(Strict):
     displacement_limit: Annotated[float, in_unit("mm"), Field(ge=1e-3, le=1e5)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        limits = ("force_limit", "displacement_limit") if "specimen" not in given else ()
-        found = [f"{key}: needs a specimen" for key in limits if key in given]
-        if given.get("compensation") and "delay" not in given:
-            found.append("compensation: requires delay")
-        return found
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        limits = ("force_limit", "displacement_limit") if "specimen" not in values else ()
+        faults = [f"{key}: needs a specimen" for key in limits if key in values]
+        if values.get("compensation") and "delay" not in values:
+            faults.append("compensation: requires delay")
+        return faults
 
     @field_validator("specimen")
     @classmethod
@@ -236,14 +257,17 @@ class Stepping(Strict):
     method : time integration: "average-acceleration", "linear-acceleration" or
         "predictor-corrector" (default of a hybrid test).
     mass : mass matrix: "consistent" or "published".
-    damping : kind of damping: "modal", "rayleigh", "element", "none" or "source"; by default that
-        of the structure.
+    damping : kind of damping: "modal", "rayleigh", "element", "none", "source" or
+        "source-with-bearings"; by default that of the structure.
     """
 
     dt: Annotated[float, in_unit("s"), Field(ge=1e-6, le=0.1)] = 0.005
     method: Method = "average-acceleration"
     mass: MassModel = "consistent"
     damping: DampingKind | None = None
+
+
+AxialLevel = Literal["off", "dead", "overturning", "vertical"]
 
 
 class EarthquakeAnalysis(ModelOptions, Stepping):
@@ -256,11 +280,23 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
     components : horizontal components of the ground motion that act together on a structure in
         plan, 1 or 2; 2 by default there. With 1 each direction is analysed on its own, without
         twist.
+    axial : axial forces of bearings that act on the shear force, of lines with a table `axial`:
+        "off" (default), "dead" (constant), "overturning" (by the transverse inertia too) or
+        "vertical" (and by the vertical ground motion).
+    axial_factor : what the part of the axial force in the shear force counts on: "overlap"
+        (default) of top and bottom, or "potential", the form that has an energy.
     """
 
     keep_every: Annotated[int, Field(ge=1)] = 2
     keep: tuple[Kept, ...] = ("rubber",)
     components: Annotated[int, Field(ge=1, le=2)] | None = None
+    axial: AxialLevel | None = None  # None: off
+    axial_factor: AxialFactor | None = None  # None: overlap
+
+    @property
+    def has_axial(self) -> bool:
+        """Whether axial forces act on the shear force."""
+        return self.axial not in (None, "off")
 
     @field_validator("keep")
     @classmethod
@@ -293,6 +329,8 @@ class EarthquakeCase(Strict):
     rig : test rig (name or file); a warning names the limits that a run exceeds.
     axial_force : axial force on one bearing [kN], positive in compression, in [-1e6, 1e6], for
         checks of stress and critical load.
+    limits : file of the limits of checks that an office has confirmed (`thermobearing limits new`).
+        Codes that it has limits of are checked.
     """
 
     command: Command
@@ -308,6 +346,7 @@ class EarthquakeCase(Strict):
     lines: Annotated[tuple[OnLine, ...], Field(max_length=40)] = ()
     rig: Rig | None = None
     axial_force: AxialForce | None = None
+    limits: Limits | None = None
     sources: dict[str, dict[str, str]] | None = None
 
     @property
@@ -337,69 +376,141 @@ class EarthquakeCase(Strict):
 
     def axial_forces(self) -> dict[str, float]:
         """Return the axial force on one bearing of each line that has one, by line [kN]."""
-        own = {item.line: item.axial_force for item in self.lines if item.axial_force is not None}
+        line_forces = {
+            line.name: max(line.axial.dead_load)
+            for line in self.structure.bearings
+            if line.axial is not None and self.axial_force is None
+        }
+        line_forces |= {
+            item.line: item.axial_force for item in self.lines if item.axial_force is not None
+        }
         if self.axial_force is None:
-            return own
-        return {line.name: own.get(line.name, self.axial_force) for line in self.structure.bearings}
+            return line_forces
+        return {
+            line.name: line_forces.get(line.name, self.axial_force)
+            for line in self.structure.bearings
+        }
 
     @property
     def reported_line_number(self) -> int:
         """Number of the bearing line that histories and the table of peaks are about."""
-        own = [item.line for item in self.lines if item.bearing is not None]
-        return reported_line(self.structure, own)
+        lines_with_bearing = [item.line for item in self.lines if item.bearing is not None]
+        return reported_line(self.structure, lines_with_bearing)
 
     def to_toml(self) -> str:
         """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self, without="" if self.weather is None else "ambient")
 
+    def with_state(self, state: RubberState) -> "EarthquakeCase":
+        """Return the case with the rubber of all bearings in a state."""
+        lines = tuple(item.model_copy(update={"state": None}) for item in self.lines)
+        analysis = self.analysis.model_copy(update={"state": state})
+        return self.model_copy(update={"analysis": analysis, "lines": lines})
+
     def faults(self) -> list[str]:
         """What the parts do to each other."""
-        found = []
+        faults = []
         names = [bearing.name for bearing in self.bearings]
-        twice = {n for n in names if names.count(n) > 1}
-        found += [f'bearings: "{n}" is given more than once' for n in twice]
+        duplicates = {n for n in names if names.count(n) > 1}
+        faults += [f'bearings: "{n}" is given more than once' for n in duplicates]
         if self.weather is not None:
-            found += _weather_faults(self.weather, "weather")
-        found += _lines_faults(self.lines, self.structure)
+            faults += _weather_faults(self.weather, "weather")
+        faults += _lines_faults(self.lines, self.structure)
         if self.initial_state is not None:
-            found += self._misfits_of_state()
-        many = self.analysis.method != "predictor-corrector"  # trials of a step
-        if many and self.laboratory is not None and self.laboratory._needs_one_step:
-            found.append(
+            faults += self._misfits_of_state()
+        if self.limits is not None and self.command != "bridge":
+            faults.append(
+                "limits: only the bearings of a bridge are checked after codes; omit them"
+            )
+        # The other methods try a step several times; a real specimen can be moved once only, and
+        # errors of the actuator are those of one move.
+        repeats_steps = self.analysis.method != "predictor-corrector"
+        if repeats_steps and self.laboratory is not None and self.laboratory._needs_one_step:
+            faults.append(
                 "laboratory: delay, force_noise, specimen and mode pd need analysis.method = "
                 '"predictor-corrector", which moves the specimen once per step'
             )
         runs = [len(self.bearings), len(self.motions), self.climates, len(self.modes)]
         if self.specimen is not None and max(runs) > 1:
-            found.append(
+            faults.append(
                 "laboratory.specimen: a specimen is tested once; give one bearing, one motion, one "
                 "ambient temperature and one mode"
             )
-        found += self._plan_faults() if self.components > 1 else []
+        faults += self._plan_faults() if self.components > 1 else []
+        faults += self._axial_faults()
         for bearing in self._all_bearings():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)
-                found += [f"analysis.{text}" for text in misfits]
-        return found
+                faults += [f"analysis.{text}" for text in misfits]
+        for item in self.lines:
+            faults += [f"lines, {item.line}: {text}" for text in self._line_state_faults(item)]
+        return faults
+
+    def _axial_faults(self) -> list[str]:
+        """Return why axial forces cannot act on the shear force."""
+        analysis = self.analysis
+        if not analysis.has_axial:
+            if analysis.axial_factor is not None:
+                return ['analysis.axial_factor: needs analysis.axial, such as "dead"']
+            return []
+        key = f'analysis.axial = "{analysis.axial}"'
+        lines = [line for line in self.structure.bearings if line.axial is not None]
+        faults = []
+        if not lines:
+            faults.append(
+                f"{key}: no bearing line has a table axial with its dead_load; add it to the "
+                "structure, or to lines of the case"
+            )
+        if analysis.method == "predictor-corrector" or self.command == "hybrid":
+            faults.append(f"{key}: not in a hybrid test, whose rig has the vertical load")
+        if self.initial_state is not None:
+            faults.append(f"{key}: not with initial_state or initial_result")
+        if analysis.model == "bilinear" or any(
+            isinstance(bearing, BilinearBearing) for bearing in self._all_bearings()
+        ):
+            faults.append(f"{key}: a bilinear bearing has no plan; give layered bearings only")
+        if analysis.axial != "dead" and len(self.directions) > 1:
+            faults.append(f"{key}: needs both components in plan; use components = 2")
+        if analysis.axial == "vertical":
+            without = [motion.title for motion in self.motions if not motion.has_vertical]
+            faults += [
+                f'{key}: the motion "{title}" has no vertical record; give it the key vertical'
+                for title in without
+            ]
+        return faults + [
+            f"bearings, {line.name}: axial.{text}"
+            for line in lines
+            for text in axial_table_faults(self.structure, line, str(analysis.axial))
+        ]
+
+    def _line_state_faults(self, item: OnLine) -> list[str]:
+        """Return why the bearings of a line cannot have the state of rubber that it states."""
+        if item.state is None:
+            return []
+        if self.initial_state is not None:
+            return ["state: cannot be combined with initial_state"]
+        if isinstance(item.bearing, BilinearBearing):
+            return [f'state: the bilinear bearing "{item.bearing.name}" has no rubber; omit it']
+        return self.analysis.misfit_of_state(item.state)
 
     def _all_bearings(self) -> list[Device]:
-        own = [item.bearing for item in self.lines]
-        return list({b.name: b for b in [*self.bearings, *own] if b is not None}.values())
+        bearings = [*self.bearings, *(item.bearing for item in self.lines)]
+        return list({b.name: b for b in bearings if b is not None}.values())
 
     def _plan_faults(self) -> list[str]:
         """Return what cannot be combined with two components of the ground motion."""
-        found = []
+        faults = []
         if not self.structure.plan:
-            found.append(f'two require plan = true in the structure "{self.structure.name}"')
+            faults.append(f'two require plan = true in the structure "{self.structure.name}"')
         if self.analysis.method == "predictor-corrector":
-            found.append('analysis.method = "predictor-corrector" allows one')
-        found += [
+            faults.append('analysis.method = "predictor-corrector" allows one')
+        faults += [
             fault
             for bearing in self._all_bearings()
             if isinstance(bearing, Bearing) and self.analysis.model != "bilinear"
             for fault in line_only_faults(bearing, build_model(bearing, self.analysis).constants)
         ]
-        return [f"components: {text}" for text in dict.fromkeys(found)]
+        return [f"components: {text}" for text in dict.fromkeys(faults)]
 
     def _misfits_of_state(self) -> list[str]:
         """Whether an earlier test can have left the bearing so."""
@@ -417,23 +528,24 @@ class EarthquakeCase(Strict):
 
     def count_steps(self, motion: GroundMotion | MotionPair) -> tuple[int, float]:
         """Return the number of steps of a motion, and their length [s], which divides its own."""
+        # 1e-9: a quotient of 2 that is rounded up to more than 2 is not three steps.
         dt = motion.dt / max(1, math.ceil(motion.dt / self.analysis.dt - 1e-9))
         length = motion.duration if self.duration is None else min(self.duration, motion.duration)
         return round(length / dt), dt
 
     def motion_faults(self, motions: list[GroundMotion]) -> list[str]:
         """Return faults of a duration without a step, and of motions that only act across."""
-        found = []
+        faults = []
         counts = [self.count_steps(motion)[0] for motion in motions]
         if self.duration is not None and 0 in counts:
-            found += [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
-        for given, motion in zip(self.motions, motions, strict=False):
-            if given.angle and not self.structure.plan and not motion.acceleration.any():
-                found.append(
+            faults += [f"duration = {self.duration:g} s is shorter than a step; see analysis.dt"]
+        for settings, motion in zip(self.motions, motions, strict=False):
+            if settings.angle and not self.structure.plan and not motion.acceleration.any():
+                faults.append(
                     f'motions: "{motion.name}" acts across the bridge, but the structure '
                     "moves only along it (plan = true adds the other direction)"
                 )
-        return found
+        return faults
 
 
 def make_earthquake_case(
@@ -448,23 +560,27 @@ def make_earthquake_case(
     command = table.setdefault("command", "bridge")
     if not isinstance(command, str) or command not in DEFAULTS:
         raise InputError(f'command = {command!r}: must be "bridge" or "hybrid"', where)
-    for key, other in (("weather", "ambient"), ("ambient", "weather")):
-        if overrides.get(key) is not None and overrides.get(other) is None:
-            table.pop(other, None)
+    # A keyword for one replaces the other one of the file, since a case has only one of them.
+    for key, replaced in (("weather", "ambient"), ("ambient", "weather")):
+        if overrides.get(key) is not None and overrides.get(replaced) is None:
+            table.pop(replaced, None)
+    # Keys of the laboratory are replaced one by one: those that are not given stay as in the file.
     lab = overrides.get("laboratory")
+    if not (isinstance(lab, dict) and lab.get("specimen")):
+        refuse_remote(table, where)
     if isinstance(lab, dict) and isinstance(table.get("laboratory", {}), dict):
         overrides["laboratory"] = overridden(table.get("laboratory", {}), lab, Laboratory)
-    table, given, faults = load_all(table, overrides, THINGS, folder)
-    table = overridden(table, given, EarthquakeCase, {"analysis": EarthquakeAnalysis})
+    table, replacements, faults = load_all(table, overrides, LOADERS, folder)
+    table = overridden(table, replacements, EarthquakeCase, {"analysis": EarthquakeAnalysis})
     fixed = table.pop("fixed_base", False)
-    if found := too_many(table):
-        raise InputError(found, where)
-    more, motions = _settle(table, command, folder)
-    faults += more
+    if message := too_many(table):  # before loading any of them
+        raise InputError(message, where)
+    added_faults, motions = _settle(table, command, folder)
+    faults += added_faults
     if not isinstance(fixed, bool):
         faults.append(f"fixed_base = {fixed!r}: must be true or false")
-    more, earlier = settle_start(table, WAYS)
-    faults += more
+    added_faults, earlier = settle_start(table, START_KEYS)
+    faults += added_faults
     case = read_case(EarthquakeCase, table, where, faults)
     try:
         lines, structure = _into_structure(case.lines, case.structure)
@@ -473,18 +589,20 @@ def make_earthquake_case(
         raise InputError(error.problems, where) from None
     case = case.model_copy(update={"lines": lines, "structure": structure})
     if earlier is not None:
-        one = case.bearings[0]
-        if len(case.bearings) > 1 or not isinstance(one, Bearing):
+        bearing = case.bearings[0]
+        if len(case.bearings) > 1 or not isinstance(bearing, Bearing):
             raise InputError("initial_result: requires a single, layered bearing", where)
-        state = left_by(earlier, one, case.ambient, where)
+        state = left_by(earlier, bearing, case.ambient, where)
         case = case.model_copy(update={"initial_state": state})
     if faults := [*case.faults(), *case.motion_faults(motions)]:
         raise InputError(faults, where)
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
-    things: list[tuple[Library, Sourced]] = [(STRUCTURES, case.structure)]
-    things += [(BEARINGS if isinstance(x, Bearing) else BILINEAR, x) for x in devices if x]
-    things += [(RIGS, case.rig)] if case.rig else []
-    return case.model_copy(update={"sources": sources_to_keep(things, case.sources)})
+    sourced: list[tuple[Library, Sourced]] = [(STRUCTURES, case.structure)]
+    for device in devices:
+        if device is not None:
+            sourced.append((BEARINGS if isinstance(device, Bearing) else BILINEAR, device))
+    sourced += [(RIGS, case.rig)] if case.rig else []
+    return case.model_copy(update={"sources": sources_to_keep(sourced, case.sources)})
 
 
 def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
@@ -492,15 +610,24 @@ def load_earthquake_case(path: str | Path, **overrides: Any) -> EarthquakeCase:
     return make_earthquake_case(case_table(Path(path)), str(path), Path(path).parent, **overrides)
 
 
+def list_bearing_tables(case: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the bearings of a resolved case and of its lines, each once."""
+    tables = {str(table["name"]): table for table in case["bearings"]}
+    for line in case.get("lines", []):
+        if isinstance(line.get("bearing"), Mapping):
+            tables.setdefault(str(line["bearing"]["name"]), line["bearing"])
+    return list(tables.values())
+
+
 def in_weather(table: Mapping[str, Any]) -> bool:
     """Return whether bearings of a case, as a table, follow a weather before the earthquake."""
     lines = table.get("lines")
     parts = [table, *(lines if isinstance(lines, list | tuple) else [])]
-    return any(isinstance(one, Mapping) and one.get("weather") is not None for one in parts)
+    return any(isinstance(part, Mapping) and part.get("weather") is not None for part in parts)
 
 
 def settle_surroundings(table: dict[str, Any]) -> None:
-    """Give faces and side of the bearings what they have in the weather, where nothing is said."""
+    """Fill in the options of faces and side of the bearings in the weather, unless they are set."""
     analysis = table.get("analysis", {})
     if isinstance(analysis, dict):
         table["analysis"] = outdoors()[0] | analysis
@@ -516,13 +643,14 @@ def _settle(
     if isinstance(table.get("weather"), str):
         absolute(table, "weather", folder)
         table.setdefault("ambient", ["0 degC"])  # not used
+    # Before defaults are filled in, since the weather has other ones.
     if in_weather(table):
         settle_surroundings(table)
     absolute(table, "initial_result", folder)
-    faults += _settle_lines(table, folder)
-    usual = {key: value for key, value in DEFAULTS[command].items() if key not in table}
-    faults += [fault for key, load in THINGS.items() for fault in load_things(usual, key, load)]
-    table |= usual
+    faults += _load_line_bearings(table, folder)
+    defaults = {key: value for key, value in DEFAULTS[command].items() if key not in table}
+    faults += [fault for key, load in LOADERS.items() for fault in load_things(defaults, key, load)]
+    table |= defaults
     if command == "hybrid":
         table.setdefault("laboratory", {})
         if isinstance(analysis := table.get("analysis", {}), dict):
@@ -530,5 +658,5 @@ def _settle(
     for key in ("bearings", "motions", "ambient"):
         if not isinstance(table[key], list | tuple):
             table[key] = [table[key]]
-    table["motions"], motions, found = settle_motions(table["motions"], folder)
-    return [*faults, *found], motions
+    table["motions"], motions, motion_faults = settle_motions(table["motions"], folder)
+    return [*faults, *motion_faults], motions

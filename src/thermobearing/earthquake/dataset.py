@@ -10,30 +10,44 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.plausible import implausible
+from thermobearing.bearing.state import (
+    RubberState,
+    describe_states,
+    state_attribute,
+    states_table,
+)
 from thermobearing.border.toml import to_table
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import beyond, rig_demand
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels
 from thermobearing.cyclic.protocol import lengths
-from thermobearing.cyclic.reported import heat_flow
 from thermobearing.cyclic.result import COMPONENT
 from thermobearing.earthquake import measures
+from thermobearing.earthquake.axial import axial_attribute, axial_check_rows, axial_messages
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
-from thermobearing.earthquake.motions import pair_notes
-from thermobearing.earthquake.result import PART_HISTORIES, EarthquakeResult, run_name
+from thermobearing.earthquake.motions import TARGETS, pair_notes
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model import handover
 from thermobearing.model.checks import (
     check_rows,
     failed_checks,
     lead_check_rows,
+    twist_check,
     vertical_checks,
 )
-from thermobearing.model.constants import outside_law
+from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.element import BearingElement
 from thermobearing.model.options import BearingModel
-from thermobearing.model.outcomes import ALL_SENTENCES, INTERRUPTED, MELTED
+from thermobearing.model.outcomes import (
+    ALL_SENTENCES,
+    AXIAL_SENTENCES,
+    INTERRUPTED,
+    MELTED,
+    heat_flow,
+)
+from thermobearing.motions.pair import MotionPair
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import (
@@ -49,9 +63,8 @@ from thermobearing.results.writing import as_attribute, labelled_dataset
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
-    hinge_stiffness,
-    line_stiffness,
     mean_height,
+    total_stiffness,
 )
 from thermobearing.structure.model import list_piers
 from thermobearing.structure.result import implausible_structure
@@ -69,31 +82,34 @@ def end_state_at(task: "Task", history: StructureHistory) -> handover.SpecimenSt
 
 
 def _last_lead(task: "Task", end: Any) -> float:
-    cored = task.device.constants.lead.cores > 0.0
-    return float(end.books[0].lead_temperature) if cored else np.nan
+    has_lead = task.device.constants.lead.cores > 0.0
+    return float(end.books[0].lead_temperature) if has_lead else np.nan
 
 
 def _labelled_ends(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> dict[str, Any]:
     """Return the states at the end of all runs as variables; nothing of several bearing lines."""
-    warm = [task.device.stack is not None for task in tasks]
-    if not any(warm) or len(case.structure.bearings) > 1:
+    # One state each: which of several lines an earlier test would hand over is not defined.
+    are_layered = [task.device.stack is not None for task in tasks]
+    if not any(are_layered) or len(case.structure.bearings) > 1:
         return {}
     ends: list[dict[str, Any]] = []
-    for task, history, has_heat in zip(tasks, histories, warm, strict=True):
+    for task, history, has_heat in zip(tasks, histories, are_layered, strict=True):
         end = history.end()
-        found: dict[str, Any] = {"final_temperature": end.temperature}
-        found["final_lead_temperature"] = _last_lead(task, end)
-        ends.append(found | handover.state_memory(end) if has_heat else {})
+        final_state: dict[str, Any] = {"final_temperature": end.temperature}
+        final_state["final_lead_temperature"] = _last_lead(task, end)
+        ends.append(final_state | handover.state_memory(end) if has_heat else {})
     dims = {"final_temperature": "cell", "final_lead_temperature": None}
     loops = [key for key in handover.OF_LOOPS if any(key in end for end in ends)]
     memory = [*handover.MEMORY, *loops]
     dims |= {key: handover.DIMENSIONS.get(key) for key in memory}
     data: dict[str, Any] = {}
     for key, dimension in dims.items():
-        wide = [COMPONENT] * (case.components > 1 and key in handover.ACROSS)
-        axes = [*([] if dimension is None else [dimension]), *wide]
+        axes = [] if dimension is None else [dimension]
+        if case.components > 1 and key in handover.ACROSS:
+            axes.append(COMPONENT)
+        # A run without the quantity has an empty array, which padding fills with NaN.
         parts = [np.asarray(end.get(key, np.full([0] * len(axes), np.nan))) for end in ends]
         stacked = padded(parts, tuple(np.max([part.shape for part in parts], axis=0)), float)
         name = handover.PREFIX + key if key in memory else key
@@ -118,8 +134,24 @@ def _wider(parts: Sequence[Floats], first: int) -> tuple[int, ...]:
     return parts[0].shape[first:] if parts else ()
 
 
+def _dimensions(values: Floats, *names: str) -> tuple[str, ...]:
+    """Return the dimensions of a variable, whose vectors have that of directions at the end."""
+    return (*names, DIRECTION) if values.ndim > len(names) else names
+
+
 Traces = Sequence[Mapping[str, Floats]]
 CELLS = {"units": "degC", "long_name": "temperature of the cells, the first at the upper face"}
+
+
+def _incomplete_checks(histories: Sequence[StructureHistory]) -> list[str]:
+    """Return which runs have checks of a part of the motion only."""
+    early_outcomes = [history.outcome for history in histories if history.outcome != COMPLETED]
+    if not early_outcomes:
+        return []
+    return [
+        f"checks under the axial force: {len(early_outcomes)} of {len(histories)} runs ended "
+        f"as {', '.join(dict.fromkeys(early_outcomes))} and are checked until then only"
+    ]
 
 
 def _collect_warnings(
@@ -130,55 +162,85 @@ def _collect_warnings(
 ) -> dict[str, Any]:
     """Return warnings, and how far runs use the rig and the tested ranges, as attributes."""
     rig = _rig_rows(case, tasks, traces)
-    found, compared = beyond(case.rig, rig), []
+    messages, compared = beyond(case.rig, rig), []
     if tasks:
-        found += implausible_structure(case.structure, tasks[0].prepared)
+        messages += implausible_structure(case.structure, tasks[0].prepared)
     motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
-    found += pair_notes(motions, plan=bool(case.structure.plan))
+    messages += pair_notes(motions, plan=bool(case.structure.plan))
+    # Warnings about bearings: plausibility, tested range, range of the temperature law.
     causes: list[tuple[str, str]] = []
     of_lead: list[Row] = []
-    for bearing, mine in _bearings(tasks).values():
-        said = [f"{bearing.name}: {text}" for text in implausible(bearing)]
+    for bearing, lines_by_run in _bearings(tasks).values():
+        bearing_messages = [f"{bearing.name}: {text}" for text in implausible(bearing)]
         ranges = calibration_ranges(bearing)
         rows: list[Row] = []
-        for k, lines in mine.items():
+        for k, lines in lines_by_run.items():
             name = _name(tasks[k], bearing.name)
             reached = _reached(tasks[k], histories[k], lines)
             rows += compare_with_tests(name, reached, ranges)
             of_lead += _lead_rows(name, bearing.name, reached, histories[k])
-        said += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
+        # Every earthquake strains faster than the tests: a note of the result states the rate.
+        bearing_messages += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         compared += rows
+        # Neither bilinear bearings nor blind models use the temperature law.
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
             runs = [
                 (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
-                for k, lines in mine.items()
+                for k, lines in lines_by_run.items()
                 for line in lines
             ]
-            said += outside_law(bearing.name, bearing.temperature_law, runs)
-        causes += [(bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in said]
-    found += one_per_cause(causes)
-    installed = [one.device.bearing for task in tasks for one in task.lines]
+            bearing_messages += outside_law(
+                bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
+            )
+        causes += [
+            (bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in bearing_messages
+        ]
+    # The name of a bearing is apart from the text, so that equal texts of several are merged.
+    messages += one_per_cause(causes)
+    installed = [line.device.bearing for task in tasks for line in task.lines]
     factors = exposures(installed, case.analysis.exposure)
-    found = describe_all(factors) + found + [one.note for one in histories if one.note]
-    checks = _vertical_checks(case, tasks, histories)
-    found += failed_checks(of_lead + checks)
-    early = [one.outcome for one in histories if one.outcome != COMPLETED]
-    if checks and early:
-        found.append(
-            f"checks under the axial force: {len(early)} of {len(histories)} runs ended as "
-            f"{', '.join(dict.fromkeys(early))}; their rows cover the time before the end"
-        )
+    states = states_table(_stated(case, tasks))
+    messages = [*describe_all(factors), *describe_states(states), *messages]
+    messages += [history.note for history in histories if history.note]
+    checks = _vertical_checks(case, tasks, histories) + axial_check_rows(case, tasks, histories)
+    checks += _twist_checks(case, tasks, histories)
+    messages += failed_checks(of_lead + checks)
+    if checks:
+        messages += _incomplete_checks(histories)
+    messages += axial_messages(tasks, histories)
+    messages += _climate_messages(case)
+    row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
+    row_tables |= exposure_attribute(factors) | state_attribute(states)
+    attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
+    return {"warnings": as_attribute(messages)} | attributes
+
+
+def _climate_messages(case: EarthquakeCase) -> list[str]:
+    """Return a message for each line that does not follow the temperatures that are compared."""
+    messages = []
     for item in case.lines if len(case.ambient) > 1 else ():
         if item.ambient is not None or item.weather is not None:
-            air = "in its own weather" if item.ambient is None else f"at {item.ambient:g} degC"
-            found.append(
-                f"line {item.line} stays {air} in all runs, so that comparisons of ambient "
-                "temperatures do not apply to it"
+            climate = "in its own weather" if item.ambient is None else f"at {item.ambient:g} degC"
+            messages.append(
+                f"line {item.line} stays {climate} in all runs; comparisons of temperatures do not "
+                "apply to it"
             )
-    row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
-    row_tables |= exposure_attribute(factors)
-    attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
-    return {"warnings": as_attribute(found)} | attributes
+    return messages
+
+
+def _stated(
+    case: EarthquakeCase, tasks: "Sequence[Task]"
+) -> dict[str, tuple[Bearing, RubberState]]:
+    """Return layered bearings whose rubber has a stated state, by name (and line, if its own)."""
+    lines_with_state = {item.line for item in case.lines if item.state is not None}
+    bearings = {}
+    for task in tasks:
+        for line, installed in zip(case.structure.bearings, task.lines, strict=True):
+            bearing, state = installed.device.bearing, installed.device.state
+            if isinstance(bearing, Bearing) and state is not None:
+                suffix = f" on {line.name}" if line.name in lines_with_state else ""
+                bearings[f"{bearing.name}{suffix}"] = bearing, state
+    return bearings
 
 
 def _lead_rows(
@@ -195,55 +257,59 @@ def _bearings(
     tasks: Sequence["Task"],
 ) -> dict[str, tuple[Bearing | BilinearBearing, dict[int, list[int]]]]:
     """Return every bearing by name, with its runs and the lines that it is on in them."""
-    found: dict[str, tuple[Bearing | BilinearBearing, dict[int, list[int]]]] = {}
+    bearings: dict[str, tuple[Bearing | BilinearBearing, dict[int, list[int]]]] = {}
     for k, task in enumerate(tasks):
-        for line, one in enumerate(task.lines):
-            mine = found.setdefault(one.device.bearing.name, (one.device.bearing, {}))[1]
-            mine.setdefault(k, []).append(line)
-    return found
+        for line, installed in enumerate(task.lines):
+            bearing = installed.device.bearing
+            _, lines_by_run = bearings.setdefault(bearing.name, (bearing, {}))
+            lines_by_run.setdefault(k, []).append(line)
+    return bearings
 
 
 def _reached(
     task: "Task", history: StructureHistory, lines: Sequence[int]
 ) -> dict[str, float | Ends]:
     """Return how far a run goes in the tested range, the farthest of some lines."""
-    found: dict[str, float | Ends] = {}
+    farthest_values: dict[str, float | Ends] = {}
     for line in lines:
-        rows, mine = history.bearing(line), task.lines[line]
-        moved, speed = rows["displacement"], lengths(measures.loading_speed(rows))
-        if moved.ndim > 1:  # the strain is that of the resultant
-            moved = np.copysign(lengths(moved), moved[:, 0])
-        one = reached_by(
+        rows, installed = history.bearing(line), task.lines[line]
+        displacement, speed = rows["displacement"], lengths(measures.loading_speed(rows))
+        # The strain is that of the resultant, which has no sign; that of x keeps both sides apart.
+        if displacement.ndim > 1:
+            displacement = np.copysign(lengths(displacement), displacement[:, 0])
+        line_values = reached_by(
             rows["clock"],
-            moved,
+            displacement,
             measures.largest(speed),
-            rubber=mine.device.bearing.total_rubber_thickness,
-            ambient=(mine.ambient, mine.ambient),
-            lead=rows["lead_temperature"] if mine.device.has_lead else None,
+            rubber=installed.device.bearing.total_rubber_thickness,
+            ambient=(installed.ambient, installed.ambient),
+            lead=rows["lead_temperature"] if installed.device.has_lead else None,
         )
-        found = {name: _farther(found.get(name, value), value) for name, value in one.items()}
-    return found
+        farthest_values = {
+            name: _outer(farthest_values.get(name, value), value)
+            for name, value in line_values.items()
+        }
+    return farthest_values
 
 
-def _farther(one: float | Ends, other: float | Ends) -> float | Ends:
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return min(one[0], other[0]), max(one[1], other[1])
-    return one if isinstance(one, tuple) or isinstance(other, tuple) else max(one, other)
+def _outer(first: float | Ends, second: float | Ends) -> float | Ends:
+    if isinstance(first, tuple) and isinstance(second, tuple):
+        return min(first[0], second[0]), max(first[1], second[1])
+    return first if isinstance(first, tuple) or isinstance(second, tuple) else max(first, second)
 
 
 def _name(task: "Task", bearing: str = "") -> str:
-    labels = task.shaking.motion.name, task.ambient, task.mode, task.direction
-    return run_name(bearing, *labels)
+    return task.label(bearing)
 
 
 def _rig_rows(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> list[Row]:
     """Return how far each run uses the rig, with the speed on the clock of the specimen."""
-    found = []
+    rows = []
     names = ("bearing_force", "bearing_displacement", "bearing_speed")
     for task, trace in zip(tasks, traces, strict=True):
         peaks = [float(np.abs(trace[name]).max()) for name in names]
-        found += rig_demand(case.rig, _name(task, task.reported.device.bearing.name), peaks)
-    return found
+        rows += rig_demand(case.rig, _name(task, task.reported.device.bearing.name), peaks)
+    return rows
 
 
 def _vertical_checks(
@@ -251,19 +317,37 @@ def _vertical_checks(
 ) -> list[Row]:
     """Return the checks of the bearings of every line that has an axial force, in every run."""
     forces, names = case.axial_forces(), [line.name for line in case.structure.bearings]
-    found: list[Row] = []
+    rows: list[Row] = []
     for task, history in zip(tasks, histories, strict=True) if forces else ():
-        for k, (name, one) in enumerate(zip(names, task.lines, strict=True)):
-            bearing = one.device.bearing
+        for k, (name, installed) in enumerate(zip(names, task.lines, strict=True)):
+            bearing = installed.device.bearing
             if name in forces:
                 layered = bearing if isinstance(bearing, Bearing) else None
-                moved = history.bearing(k)["displacement"]
+                displacement = history.bearing(k)["displacement"]
                 if task.direction == "y":  # across the length of the plan
-                    moved = np.column_stack([np.zeros_like(moved), moved])
-                load = forces[name], moved, one.ambient, name if len(names) > 1 else ""
-                checks = vertical_checks(layered, *load)
-                found += check_rows(_name(task, bearing.name), bearing.name, checks)
-    return found
+                    displacement = np.column_stack([np.zeros_like(displacement), displacement])
+                part = name if len(names) > 1 else ""
+                checks = vertical_checks(
+                    layered, forces[name], displacement, installed.ambient, part
+                )
+                rows += check_rows(_name(task, bearing.name), bearing.name, checks)
+    return rows
+
+
+def _twist_checks(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[Row]:
+    """Return the estimated local strain of the bearings of every line that move in a plane."""
+    names = [line.name for line in case.structure.bearings]
+    rows: list[Row] = []
+    for task, history in zip(tasks, histories, strict=True) if case.components > 1 else ():
+        for k, (name, installed) in enumerate(zip(names, task.lines, strict=True)):
+            bearing, record = installed.device.bearing, history.bearing(k)
+            if isinstance(bearing, Bearing):
+                part = name if len(names) > 1 else ""
+                check = twist_check(bearing.geometry, record["displacement"], record["force"], part)
+                rows += check_rows(_name(task, bearing.name), bearing.name, [check])
+    return rows
 
 
 Runs = Sequence[tuple["Task", StructureHistory]]
@@ -273,24 +357,32 @@ def _label_histories(
     case: EarthquakeCase, runs: Runs, traces: Traces, length: int
 ) -> dict[str, Any]:
     """Return the histories of all runs as variables: scalars, layers, bodies, cells."""
-    every = case.analysis.keep_every
+    keep_every = case.analysis.keep_every
+    # Only a pseudo-dynamic test has a clock other than that of the earthquake.
     slow = ["bearing_clock"] if "pd" in case.modes else []
     data: dict[str, Any] = {}
     for name in ("time", *measures.HISTORIES, *slow):
-        parts = [trace[name][::every] for trace in traces]
+        parts = [trace[name][::keep_every] for trace in traces]
         values = padded(parts, (length, *_wider(parts, 1)))
-        data[name] = (("run", "step", DIRECTION)[: values.ndim], values, quantity(name).attributes)
+        data[name] = (_dimensions(values, "run", "step"), values, quantity(name).attributes)
     across = {  # histories with one number per layer, body or cell
-        "rubber_temperature": ("layer", [trace["rubber_temperature"][::every] for trace in traces]),
+        "rubber_temperature": (
+            "layer",
+            [trace["rubber_temperature"][::keep_every] for trace in traces],
+        ),
         "body_acceleration": ("body", [_bodies(task, history) for task, history in runs]),
     }
     if "cells" in case.analysis.keep:
-        across["temperature"] = "cell", [trace["temperature"][::every] for trace in traces]
+        across["temperature"] = "cell", [trace["temperature"][::keep_every] for trace in traces]
+    axial = [history.axial for _, history in runs if history.axial is not None]
+    if axial and len(axial) == len(runs):
+        across["axial_force"] = "support", [part.force[::keep_every] for part in axial]
+        across["critical_load"] = "axial_line", [part.limit[::keep_every] for part in axial]
     for name, (dimension, parts) in across.items():
-        most = max((part.shape[1] for part in parts), default=0)
-        wide = padded(parts, (length, most, *_wider(parts, 2)))
-        about = CELLS if name == "temperature" else quantity(name).attributes
-        data[name] = (("run", "step", dimension, DIRECTION)[: wide.ndim], wide, about)
+        largest_count = max((part.shape[1] for part in parts), default=0)
+        stacked = padded(parts, (length, largest_count, *_wider(parts, 2)))
+        attributes = CELLS if name == "temperature" else quantity(name).attributes
+        data[name] = (_dimensions(stacked, "run", "step", dimension), stacked, attributes)
     if "temperature" in across:
         data |= _stacks([task for task, _ in runs], data["temperature"][1].shape[2])
     return data
@@ -300,6 +392,7 @@ def label_analysis(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> EarthquakeResult:
     """Return the result of an analysis: peaks from every step, histories every `keep_every`-th."""
+    # An interrupted analysis has histories of its first tasks only.
     planned, tasks = len(tasks), tasks[: len(histories)]
     runs = list(zip(tasks, histories, strict=True))
     traces = [measures.history_traces(task, history) for task, history in runs]
@@ -314,9 +407,9 @@ def label_analysis(
     ended = np.array([row["outcome"] for row in numbers], dtype=str)
     data["outcome"] = ("run",), ended, quantity("outcome").attributes | {"units": ""}
     lab = ["actuator_kN_mm"] if case.laboratory is not None else []
-    for known in map(quantity, (*measures.NUMBERS, *lab, *measures.LOOP, *measures.LOOP_TIMES)):
-        values = np.array([row[known.variable] for row in numbers])
-        data[known.variable] = (("run", DIRECTION)[: values.ndim], values, known.attributes)
+    for item in map(quantity, (*measures.NUMBERS, *lab, *measures.LOOP, *measures.LOOP_TIMES)):
+        values = np.array([row[item.variable] for row in numbers])
+        data[item.variable] = (_dimensions(values, "run"), values, item.attributes)
     data |= _labelled_ends(case, tasks, histories)
     ambient = np.array([task.ambient for task in tasks])
     names = [(task.device.bearing.name, task.shaking.motion.name, task.mode) for task in tasks]
@@ -334,6 +427,7 @@ def label_analysis(
             **parts_coords,
         },
         attrs=_attributes(case, tasks, _interrupted(planned, histories))
+        | axial_attribute(tasks, histories)
         | _collect_warnings(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
@@ -358,7 +452,7 @@ def _label_parts(
     lines, piers = case.structure.bearings, list_piers(case.structure)
     if len(lines) == 1 and len(piers) == 1:
         return {}, {}
-    every = case.analysis.keep_every
+    keep_every = case.analysis.keep_every
     data: dict[str, Any] = {}
     for table, dimension, make in (
         (measures.LINES, "line", measures.line_peaks),
@@ -367,17 +461,17 @@ def _label_parts(
         rows = [make(task, history) for task, history in runs]
         for column, name in table.items():
             values = np.array([[row[name] for row in run] for run in rows])
-            words = name == "line_bearing"
-            values = values.astype(str) if words else values
-            units = {"units": ""} if words else {}
-            about = quantity(column).attributes | units
-            data[name] = (("run", dimension, DIRECTION)[: values.ndim], values, about)
-    for name, (dimension, _) in PART_HISTORIES.items():
+            is_text = name == "line_bearing"
+            values = values.astype(str) if is_text else values
+            units = {"units": ""} if is_text else {}
+            attributes = quantity(column).attributes | units
+            data[name] = (_dimensions(values, "run", dimension), values, attributes)
+    for name, (dimension, _) in measures.PART_HISTORIES.items():
         count = len(lines) if dimension == "line" else len(piers)
-        parts = [_part_history(name, task, history)[::every] for task, history in runs]
-        wide = padded(parts, (length, count, *_wider(parts, 2)))
-        dims = ("run", "step", dimension, DIRECTION)[: wide.ndim]
-        data[name] = (dims, wide, quantity(name).attributes)
+        parts = [_part_history(name, task, history)[::keep_every] for task, history in runs]
+        stacked = padded(parts, (length, count, *_wider(parts, 2)))
+        dims = _dimensions(stacked, "run", "step", dimension)
+        data[name] = (dims, stacked, quantity(name).attributes)
     coords = {
         "line": np.array([line.name for line in lines], dtype=str),
         "pier_part": np.array([pier.name for pier in piers], dtype=str),
@@ -388,29 +482,37 @@ def _label_parts(
 def _part_history(name: str, task: "Task", history: StructureHistory) -> Floats:
     """Return one of `PART_HISTORIES` of all lines or piers of a run, [step, part]."""
     if name.startswith("line_"):
-        book = name.removeprefix("line_")
-        lines = [history.bearing(b)[book] for b in range(len(task.lines))]
+        column = name.removeprefix("line_")
+        lines = [history.bearing(b)[column] for b in range(len(task.lines))]
         return np.stack([measures.with_resultant(values) for values in lines], axis=1)
-    place = ("pier_part_displacement", "pier_part_rotation", "pier_part_moment").index(name)
-    piers = task.prepared.piers
-    each = [measures.pier_histories(task, history, *pier)[place] for pier in piers]
-    return np.stack(each, axis=1)
+    histories = []
+    for pier, top_row, base_row in task.prepared.piers:
+        displacement, rotation, moment, _, _ = measures.pier_histories(
+            task, history, pier, top_row, base_row
+        )
+        by_name = {
+            "pier_part_displacement": displacement,
+            "pier_part_rotation": rotation,
+            "pier_part_moment": moment,
+        }
+        histories.append(by_name[name])
+    return np.stack(histories, axis=1)
 
 
 def _bodies(task: "Task", history: StructureHistory) -> Floats:
     """Return the absolute acceleration of the masses of each body at kept steps [m/s2]."""
-    structure, every = task.case.structure, task.case.analysis.keep_every
+    structure, keep_every = task.case.structure, task.case.analysis.keep_every
     rows = [
         displacement_row(structure, body.name, mean_height(structure, body.name))
         for body in structure.bodies
     ]
-    a = history.rows.a[::every]
-    ground = task.shaking.ground[: len(history.rows.a) : every]
-    each = [
+    a = history.rows.a[::keep_every]
+    ground = task.shaking.ground[: len(history.rows.a) : keep_every]
+    accelerations = [
         measures.with_resultant((product_in_order(a, row) + ground) / measures.MM_PER_M)
         for row in rows
     ]
-    return np.stack(each, axis=1)
+    return np.stack(accelerations, axis=1)
 
 
 def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
@@ -422,12 +524,12 @@ def _stacks(tasks: Sequence["Task"], cells: int) -> dict[str, Any]:
         device = task.reported.device
         if device.stack is not None:
             labels = stack_labels(BearingModel(device.stack, device.constants, task.case.analysis))
-            own = slice(0, len(labels.depth))
-            depth[run, own], thickness[run, own] = labels.depth, labels.thickness
-            part[run, own] = labels.part
-    about = depth_attributes(bool(tasks and tasks[0].case.analysis.half))
+            filled = slice(0, len(labels.depth))
+            depth[run, filled], thickness[run, filled] = labels.depth, labels.thickness
+            part[run, filled] = labels.part
+    attributes = depth_attributes(bool(tasks and tasks[0].case.analysis.half))
     return {
-        "depth": (("run", "cell"), depth, about),
+        "depth": (("run", "cell"), depth, attributes),
         "cell_thickness": (("run", "cell"), thickness, {"units": "mm"}),
         "part": (("run", "cell"), part, {"units": "", "long_name": "what the cell is"}),
     }
@@ -451,14 +553,40 @@ def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool
         "version": thermobearing.__version__,
         "case": case.to_toml(),
         "interrupted": int(interrupted),
-        "sentences": as_attribute(ALL_SENTENCES),
+        "sentences": as_attribute(
+            ALL_SENTENCES | (AXIAL_SENTENCES if case.analysis.has_axial else {})
+        ),
     }
     if in_weather(case.model_dump(include={"weather", "lines"})):
         attrs["surroundings"] = heat_flow(to_table(case.analysis), [])
+    if targets := _motion_targets(tasks):
+        attrs[TARGETS] = as_attribute(targets)
     for k, direction in enumerate(dict.fromkeys(task.direction for task in tasks)):
-        own = _mode_attributes([task for task in tasks if task.direction == direction])
-        attrs |= own if k == 0 else {f"{name}@{direction}": value for name, value in own.items()}
+        mode_attributes = _mode_attributes([task for task in tasks if task.direction == direction])
+        # The first direction has plain names; `sel` replaces them by those with the ending "@y".
+        if k > 0:
+            mode_attributes = {
+                f"{name}@{direction}": value for name, value in mode_attributes.items()
+            }
+        attrs |= mode_attributes
     return attrs
+
+
+def _motion_targets(tasks: Sequence["Task"]) -> dict[str, dict[str, Any]]:
+    """Return factor, description and target spectrum of each motion made to fit one, by name."""
+    from thermobearing.motions.targets import target_text  # takes scipy
+
+    targets = {}
+    for task in tasks:
+        motion = task.shaking.motion
+        along = motion.along("x") if isinstance(motion, MotionPair) else motion
+        if along.target is not None:
+            targets[motion.name] = {
+                "factor": task.shaking.factor,
+                "description": along.description,
+                "target": target_text(along.target),
+            }
+    return targets
 
 
 def _mode_attributes(tasks: Sequence["Task"]) -> dict[str, Any]:
@@ -469,6 +597,7 @@ def _mode_attributes(tasks: Sequence["Task"]) -> dict[str, Any]:
         "damping_ratios": np.asarray(prepared.ratios).tolist(),
         "coordinates": list(prepared.matrices.coordinates),
     }
+    # Reversed, so that the first run of each bearing is what remains.
     first = {task.device.bearing.name: task for task in reversed(tasks)}
     for name, task in reversed(first.items()):
         attrs[f"initial_periods_s:{name}"] = _initial_periods(task).tolist()
@@ -479,14 +608,16 @@ def _mode_attributes(tasks: Sequence["Task"]) -> dict[str, Any]:
 def _initial_periods(task: "Task") -> Floats:
     """Return periods with the initial stiffness of the bearings at the start."""
     matrices, structure = task.prepared.matrices, task.case.structure
-    small = 1e-6
-    each = np.zeros(len(task.lines))
-    for b, (one, line) in enumerate(zip(task.lines, structure.bearings, strict=True)):
-        element = BearingElement.from_constants(one.device.constants, initial=one.temperature)
-        slope = element.set_trial(small, small, one.ambient).force / small
-        each[b] = slope / line.scale
-    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
-    stiffness = stiffness + line_stiffness(structure, matrices, each)
+    displacement = 1e-6  # [mm], so small that no bearing yields
+    line_stiffnesses = np.zeros(len(task.lines))
+    for b, (installed, line) in enumerate(zip(task.lines, structure.bearings, strict=True)):
+        element = BearingElement.from_constants(
+            installed.device.constants, initial=installed.temperature
+        )
+        force = element.set_trial(displacement, displacement, installed.ambient).force
+        # A specimen at a scale s has s^2 of the force at s of the displacement: s of the stiffness.
+        line_stiffnesses[b] = force / displacement / line.scale
+    stiffness = total_stiffness(structure, matrices, line_stiffnesses)
     return find_modes(matrices.mass, stiffness).periods
 
 

@@ -4,7 +4,7 @@ Rows are bearings, columns motions, colours ambient temperatures from cold (blue
 Of an analysis with many motions the first few are shown; the table has them all.
 """
 
-import copy
+import math
 from collections.abc import Callable, Sequence
 from typing import Literal
 
@@ -15,10 +15,12 @@ from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
+from thermobearing.earthquake.motions import motion_targets
 from thermobearing.earthquake.panels import (
     DISPLACEMENT,
     FORCE,
     LINES,
+    LOOP_PANEL,
     MODES,
     MOST_COLUMNS,
     STRAIN,
@@ -27,7 +29,6 @@ from thermobearing.earthquake.panels import (
     Draw,
     Panels,
     list_moments,
-    select_part,
 )
 from thermobearing.earthquake.tables import COMBINATIONS
 from thermobearing.quantities.governing import order_from_largest, place_of_largest
@@ -39,8 +40,8 @@ MODE_LOOKS: dict[str, drawing.Look] = {
     "rt": {"color": "#CC3311"},
     "pd": {"color": "#0077BB", "linestyle": "--"},
 }
-PANEL, LOOP_PANEL, SPEED_PANEL = (2.9, 2.4), (3.0, 2.7), (4.2, 2.3)  # width, height [inch]
-KJ, MN_M = 1e-3, 1e-3
+PANEL, SPEED_PANEL = (2.9, 2.4), (4.2, 2.3)  # width, height [inch]
+KJ, MN_M, ENERGY = 1e-3, 1e-3, "energy [kJ]"
 WIDER = 0.8  # of its width: each line that lies below another
 NOTE_ROOM = 0.12  # of the height of a panel, for the values that are printed in it
 THIN, THICK = 0.6, 1.7  # lines of the outer and of the innermost layer
@@ -73,6 +74,7 @@ SHOWN = {  # columns of the table of runs: label
 }
 OF_RESULTANT = ("peaks", "parts", "energy", "temperature", "profiles")  # or of no direction
 SPREAD = 0.5  # of the room of a temperature that its dots take
+PEAK_COLUMNS = 3  # of quantities side by side
 MEAN = 0.36  # half the length of the line at a mean
 
 
@@ -84,7 +86,7 @@ class EarthquakeFigures(Panels):
 
     def _by_motion(
         self,
-        what: str,
+        subject: str,
         labels: tuple[str, str],
         draw: Draw,
         ax: Axes | None = None,
@@ -104,12 +106,18 @@ class EarthquakeFigures(Panels):
                 draw(ax, int(run))
             drawing.name_axes(ax, *labels)
             return drawing.parent_figure(ax), []
-        title = self._title(what, motions=True)
+        title = self._title(subject, motions=True)
         motions = self._motions[:MOST_COLUMNS]
         figure, cells = self._grid(
-            title, PANEL, self._bearings, motions, labels, heads=motions, sides=self._bearings,
+            title,
+            PANEL,
+            self._bearings,
+            motions,
+            labels,
+            heads=motions,
+            sides=self._shown,
             share="col",
-        )  # fmt: skip
+        )
         untested = []
         for panel, bearing, motion in cells:
             chosen = self._table[self._table["bearing"] == bearing]
@@ -122,10 +130,12 @@ class EarthquakeFigures(Panels):
             for place, line in enumerate(panel.get_lines()):  # equal ones remain visible
                 line.set_linewidth(line.get_linewidth() * (1.0 + WIDER * (len(runs) - 1 - place)))
             untested.append(100.0 * self._result.tested_to(runs, "strain"))
-            same = bool(self._data.attrs.get(f"bilinear:{bearing}", 0)) and len(runs) > 1
-            if same and motion == motions[0]:
+            # Runs of a bilinear bearing lie on each other; the first panel of a row says why.
+            is_bilinear = bool(self._data.attrs.get(f"bilinear:{bearing}", 0))
+            if is_bilinear and len(runs) > 1 and motion == motions[0]:
                 drawing.say_why(panel, "bilinear: the same\nat all temperatures")
         axes = [panel for panel, _, _ in cells]
+        # Panels of a column share their axes: the room made in the first row is that of all.
         for panel in axes[: len(motions)] if notes else []:
             low, high = panel.get_ylim()
             panel.set_ylim(low, high + NOTE_ROOM * (high - low))
@@ -134,17 +144,18 @@ class EarthquakeFigures(Panels):
         self._legend(figure)
         return figure, cells
 
-    def _curve(self, x: str, y: str, factor: float = 1.0, other: float = 1.0) -> Draw:
+    def _curve(self, x: str, y: str, x_factor: float = 1.0, y_factor: float = 1.0) -> Draw:
         """Return what draws a history y against time or against another history x."""
 
         def _draw(ax: Axes, run: int) -> None:
-            a, b = factor * self._values(x, run), other * self._values(y, run)
+            a, b = x_factor * self._values(x, run), y_factor * self._values(y, run)
             if x != "time":
-                spans = max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12)
-                kept, width = drawing.thin_loops(a, b, *spans), 0.8
+                # Spans are divisors; that of a history which stays zero is zero.
+                kept = drawing.thin_loops(a, b, max(np.ptp(a), 1e-12), max(np.ptp(b), 1e-12))
+                width = 0.8
             elif np.isfinite(b).all():
                 kept, width = drawing.thin(b, TIME_BINS), 0.7
-            else:
+            else:  # a bearing without this quantity, such as the lead of one without cores
                 return
             look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
             ax.plot(a[kept], b[kept], color=self._colour(run), **look)
@@ -154,16 +165,16 @@ class EarthquakeFigures(Panels):
     def _history(
         self,
         name: str,
-        what: str,
+        subject: str,
         y: str,
         ax: Axes | None,
         factor: float = 1.0,
         strain: Literal["y"] | None = None,
     ) -> Figure:
         """Return a history in the strong part of each motion, its peaks marked and printed."""
-        draw, peaks = self._curve("time", name, other=factor), f"{name}_max"
+        draw, peaks = self._curve("time", name, y_factor=factor), f"{name}_max"
         look: drawing.Look = {"strain": strain, "sizes": peaks, "notes": True}
-        title = f"{what}, strong part of the motion"
+        title = f"{subject}, strong part of the motion"
         figure, cells = self._by_motion(title, ("time [s]", y), draw, ax, **look)
         for panel, bearing, motion in cells:
             runs = self._find_runs(bearing=bearing, motion=motion)
@@ -173,17 +184,19 @@ class EarthquakeFigures(Panels):
                 if np.isfinite(values).all():
                     place = place_of_largest(np.abs(values))
                     mark: drawing.Look = {"color": self._colour(run), "markeredgecolor": "white"}
-                    at = [self._values("time", run)[place]], [values[place]]
-                    panel.plot(*at, "o", markersize=4.0, zorder=4, **mark)
+                    time = self._values("time", run)[place]
+                    panel.plot([time], [values[place]], "o", markersize=4.0, zorder=4, **mark)
             self._note(panel, "peak", runs, [factor * float(self._data[peaks][r]) for r in runs])
         return figure
 
-    def _select(self, part: str, name: str | None) -> "EarthquakeFigures":
-        view = copy.copy(self)
-        view._data = select_part(self._data, part, name)
-        return view
-
-    def loops(self, ax: Axes | None = None, *, label: str = "", color: str | None = None) -> Figure:
+    def loops(
+        self,
+        ax: Axes | None = None,
+        *,
+        label: str = "",
+        color: str | None = None,
+        line: str | None = None,
+    ) -> Figure:
         """Return the force of one bearing against its strain, as Fig. 6.9 and 6.12.
 
         Parameters
@@ -192,8 +205,11 @@ class EarthquakeFigures(Panels):
             Draw all runs into this panel instead of one for each bearing and motion.
         label, color : str, optional
             Of what is drawn into it; the colours of the temperatures by default.
+        line : str, optional
+            Bearing line, by default that of the reported pier.
         """
-        plain = self._curve("bearing_strain", "bearing_force", 100.0)
+        view = self._select("line", line)
+        plain = view._curve("bearing_strain", "bearing_force", 100.0)
 
         def _draw(panel: Axes, run: int) -> None:
             plain(panel, run)
@@ -202,20 +218,27 @@ class EarthquakeFigures(Panels):
             if label and run == 0:
                 panel.get_lines()[-1].set_label(label)
 
-        what, sizes = "hysteresis of one bearing", "bearing_strain_max"
-        return self._by_motion(what, (STRAIN, FORCE), _draw, ax, strain="x", sizes=sizes)[0]
+        subject, sizes = "hysteresis of one bearing", "bearing_strain_max"
+        return view._by_motion(subject, (STRAIN, FORCE), _draw, ax, strain="x", sizes=sizes)[0]
 
     def largest_loops(self) -> Figure:
         """Return the largest loop, the bearings over each other, as Fig. 4.12 and 6.6."""
         loops, motions = self._result.largest_loops, self._motions[:MOST_COLUMNS]
         colours = drawing.ordered_colours(len(self._bearings), "viridis")
         looks = dict(zip(self._bearings, colours, strict=True))
-        title = self._title("largest loop of one bearing", motions=True)
+        names = dict(zip(self._bearings, self._shown, strict=True))
+        title = self._of("line")._title("largest loop of one bearing", motions=True)
         sides = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
         figure, cells = self._grid(
-            title, LOOP_PANEL, self._ambients, motions, (DISPLACEMENT, FORCE), heads=motions,
-            sides=sides, zero=True,
-        )  # fmt: skip
+            title,
+            LOOP_PANEL,
+            self._ambients,
+            motions,
+            (DISPLACEMENT, FORCE),
+            heads=motions,
+            sides=sides,
+            zero=True,
+        )
         for ax, ambient, motion in cells:
             for run in self._find_runs(ambient_degC=ambient, motion=motion):
                 loop, time = loops.loc[run], self._data["time"].values[run]
@@ -224,7 +247,9 @@ class EarthquakeFigures(Panels):
                 y = self._data["bearing_force"].values[run, inside]
                 look: drawing.Look = {"linestyle": self._line(run), "linewidth": 1.1}
                 ax.plot(x, y, color=looks[loop["bearing"]], **look)
-        self._legend(figure, [Line2D([], [], color=c, label=name) for name, c in looks.items()])
+        self._legend(
+            figure, [Line2D([], [], color=c, label=names[name]) for name, c in looks.items()]
+        )
         return figure
 
     def modes(self) -> Figure:
@@ -235,50 +260,53 @@ class EarthquakeFigures(Panels):
             look = MODE_LOOKS[self._result.modes[run]]
             ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
 
-        what = "real time over pseudo-dynamic"
-        figure = self._by_bearing(what, LOOP_PANEL, (STRAIN, FORCE), _draw)
+        subject = "real time over pseudo-dynamic"
+        figure = self._by_bearing(subject, LOOP_PANEL, (STRAIN, FORCE), _draw)
         handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
         drawing.legend_below(figure, handles)
         return figure
 
     def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
         """Return shear strain in time, as Fig. 6.10 and 6.13; of the bearings of any `line`."""
-        what = "shear strain of the bearings"
-        return self._select("line", line)._history("bearing_strain", what, STRAIN, ax, 100.0, "y")
+        subject = "shear strain of the bearings"
+        return self._select("line", line)._history(
+            "bearing_strain", subject, STRAIN, ax, 100.0, "y"
+        )
 
     def pier(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
         """Return the displacement of a pier's top relative to its base, as Fig. 6.17 and 6.19."""
-        view, what = self._select("pier", pier), "pier top relative to its base"
-        return view._history("pier_displacement", what, DISPLACEMENT, ax)
+        view, subject = self._select("pier", pier), "pier top relative to its base"
+        return view._history("pier_displacement", subject, DISPLACEMENT, ax)
 
     def pier_acceleration(self, ax: Axes | None = None) -> Figure:
         """Return the absolute acceleration of the pier top, as Fig. 3.27, 3.29, 4.15, 5.18."""
-        view, what = self._select("pier", None), "acceleration of the pier top"
-        return view._history("pier_top_acceleration", what, "acceleration [m/s²]", ax)
+        view, subject = self._select("pier", None), "acceleration of the pier top"
+        return view._history("pier_top_acceleration", subject, "acceleration [m/s²]", ax)
 
     def deck(self, ax: Axes | None = None) -> Figure:
         """Return the absolute acceleration of the deck, as Fig. 6.23 and 6.25."""
-        what = "acceleration of the deck"
-        return self._history("deck_acceleration", what, "acceleration [m/s²]", ax)
+        subject = "acceleration of the deck"
+        return self._of()._history("deck_acceleration", subject, "acceleration [m/s²]", ax)
 
     def energy(self, ax: Axes | None = None) -> Figure:
         """Return the work done on one bearing in time, as Fig. 3.25."""
-        draw, labels = self._curve("time", "bearing_energy", other=KJ), ("time [s]", "energy [kJ]")
-        return self._by_motion("energy taken by one bearing", labels, draw, ax)[0]
+        draw, labels = self._curve("time", "bearing_energy", y_factor=KJ), ("time [s]", ENERGY)
+        return self._of("line")._by_motion("energy taken by one bearing", labels, draw, ax)[0]
 
-    def hinge(self, ax: Axes | None = None) -> Figure:
-        """Return moment against rotation of the pier base, as Fig. 6.21 and 6.22."""
+    def hinge(self, ax: Axes | None = None, *, pier: str | None = None) -> Figure:
+        """Return moment against rotation of a pier's base, as Fig. 6.21 and 6.22."""
         if self._result.in_plan:
             raise InputError('hinge: select one direction, such as result.sel(direction="x")')
-        view = self._select("pier", None)
+        view = self._select("pier", pier)
         draw = view._curve("pier_rotation", "pier_moment", 1e3, MN_M)
         labels = "rotation [mrad]", "moment [MN m]"
-        what = "pier base (dashed: where it yields; numbers: ductility)"
-        figure, cells = view._by_motion(what, labels, draw, ax, sizes="pier_rotation_max")
+        subject = "pier base (dashed: where it yields; numbers: ductility)"
+        figure, cells = view._by_motion(subject, labels, draw, ax, sizes="pier_rotation_max")
         for panel, bearing, motion in cells:
             runs = view._find_runs(bearing=bearing, motion=motion)
-            found = [view._yield_point(run) for run in runs]
-            for point in [point for point in found if point is not None][:1]:
+            yield_points = [view._yield_point(run) for run in runs]
+            # The hinge is the same in all runs: the first one that moved it gives the point.
+            for point in [point for point in yield_points if point is not None][:1]:
                 rotation, moment = 1e3 * point[0], MN_M * point[1]
                 look: drawing.Look = {"color": drawing.GREY, "linewidth": 0.8, "linestyle": "--"}
                 for sign in (-1.0, 1.0):
@@ -295,18 +323,29 @@ class EarthquakeFigures(Panels):
 
     def temperature(self) -> Figure:
         """Return the rise of the rubber layers and, below, of the lead, as Fig. 3.20 and 5.16."""
+        shown = dict(zip(self._bearings, self._shown, strict=True))
         rows = []  # a bearing, and its rubber or lead; without heat there is no row
         for bearing in self._bearings:
-            mine = self._data.isel(run=self._find_runs(bearing=bearing))
+            bearing_data = self._data.isel(run=self._find_runs(bearing=bearing))
             for name in ("rubber", "lead"):
-                if np.isfinite(mine[f"{name}_temperature"].values).any():
+                if np.isfinite(bearing_data[f"{name}_temperature"].values).any():
                     rows.append((bearing, name))
-        motions, start = self._motions[:MOST_COLUMNS], int(len(self._bearings) == 1)
-        title = self._title("rise of the temperature in one bearing", motions=True)
+        motions = self._motions[:MOST_COLUMNS]
+        title = self._of("line")._title("rise of the temperature in one bearing", motions=True)
+        # The only bearing is in the title.
+        sides = [name for _, name in rows]
+        if len(self._bearings) > 1:
+            sides = [f"{shown[bearing]}\n{name}" for bearing, name in rows]
         figure, cells = self._grid(
-            title, (2.9, 2.1), rows, motions, ("time [s]", "rise [K]"), heads=motions,
-            sides=["\n".join(row[start:]) for row in rows], share=False,
-        )  # fmt: skip
+            title,
+            (2.9, 2.1),
+            rows,
+            motions,
+            ("time [s]", "rise [K]"),
+            heads=motions,
+            sides=sides,
+            share=False,
+        )
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
             self._rise(ax, name, self._find_runs(bearing=bearing, motion=motion))
@@ -320,7 +359,7 @@ class EarthquakeFigures(Panels):
             Line2D([], [], color=drawing.GREY, linewidth=width, label=name)
             for name, width in zip(names, (THIN, THICK), strict=True)
         ]
-        self._legend(figure, more=widths)
+        self._legend(figure, extra_entries=widths)
         return figure
 
     def _rise(self, ax: Axes, name: str, runs: list[int]) -> None:
@@ -333,7 +372,8 @@ class EarthquakeFigures(Panels):
             rise, count = values - values[0], values.shape[1]
             for j in range(count):
                 kept = drawing.thin(rise[:, j], TIME_BINS)
-                width = THIN + (THICK - THIN) * ((j + 1) / count if count > 1 else 0.5)
+                inwards = (j + 1) / count if count > 1 else 0.5
+                width = THIN + (THICK - THIN) * inwards
                 look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
                 ax.plot(time[kept], rise[kept, j], color=self._colour(run), alpha=0.8, **look)
             hottest.append(float(values.max()) if values.size else np.nan)
@@ -389,8 +429,8 @@ class EarthquakeFigures(Panels):
                 inside &= (time >= ends[0]) & (time <= ends[1])
             else:
                 look: drawing.Look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY}
-                why = "no closed loop: complete history"
-                ax.text(0.01, 0.985, why, transform=ax.transAxes, va="top", **look)
+                note = "no closed loop: complete history"
+                ax.text(0.01, 0.985, note, transform=ax.transAxes, va="top", **look)
             bilinear = self._data.attrs.get(f"bilinear:{self._data['bearing'].values[run]}", 0)
             x = self._data["bearing_displacement"].values[run][inside].astype(float)
             for name, label, colour in (TOTAL, *(BILINEAR if bilinear else SHARES)):
@@ -402,10 +442,11 @@ class EarthquakeFigures(Panels):
                 ax.plot(x[kept], y[kept], color=colour, linewidth=width, linestyle=self._line(run))
                 used[label] = colour
 
-        what, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
-        figure = self._by_bearing(what, PANEL, labels, _draw, zero=True)
-        known = [label for _, label, _ in (TOTAL, *SHARES, *BILINEAR) if label in used]
-        self._legend(figure, [Line2D([], [], color=used[label], label=label) for label in known])
+        subject, labels = "shares of the force in the largest loop", (DISPLACEMENT, FORCE)
+        figure = self._by_bearing(subject, PANEL, labels, _draw, zero=True)
+        # In this order, whichever bearing was drawn first.
+        drawn = [label for _, label, _ in (TOTAL, *SHARES, *BILINEAR) if label in used]
+        self._legend(figure, [Line2D([], [], color=used[label], label=label) for label in drawn])
         return figure
 
     def parts(self) -> Figure:
@@ -416,30 +457,33 @@ class EarthquakeFigures(Panels):
         """
         tables = {"line": self._result.lines, "pier": self._result.piers}
         tables = {part: table for part, table in tables.items() if len(table)}
-        shown = [one for one in PART_PANELS if one[0] in tables]
-        shown = [item for item in shown if tables[item[0]][item[1]].notna().any()]
+        shown = [
+            (part, column, label)
+            for part, column, label in PART_PANELS
+            if part in tables and tables[part][column].notna().any()
+        ]
         names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
         motions, rows = self._motions, (len(shown) + 1) // 2
-        wide = max(len(parts) for parts in names.values())
-        size = (max(3.6, 1.0 + 0.8 * wide) * 2, 2.7 * rows + 0.9)
-        few = 1 < len(motions) < 5
-        order = f" (motions from the left: {', '.join(motions)})" if few else ""
+        most_parts = max(len(parts) for parts in names.values())
+        size = (max(3.6, 1.0 + 0.8 * most_parts) * 2, 2.7 * rows + 0.9)
+        states_order = 1 < len(motions) < 5  # more names would be longer than the figure
+        order = f" (motions from the left: {', '.join(motions)})" if states_order else ""
         title = self._title(f"bearing {' and '.join(f'{part}s' for part in tables)}{order}")
         figure, axes = drawing.panels(rows, 2, size, title)
         markers = {
             name: drawing.MARKERS[k % len(drawing.MARKERS)] for k, name in enumerate(self._bearings)
         }
         offsets = np.linspace(-0.5, 0.5, len(motions) * len(markers) + 2)[1:-1] * PART_SPREAD
-        for spare in axes[len(shown) :]:
-            spare.set_visible(False)
+        for empty_panel in axes[len(shown) :]:
+            empty_panel.set_visible(False)
         none: drawing.Look = {"linestyle": "none"}
         for ax, (part, column, label) in zip(axes, shown, strict=False):
             for row in tables[part].to_dict("records"):
                 place = self._bearings.index(row["bearing"]) * len(motions)
-                at = names[part].index(row[part]) + offsets[place + motions.index(row["motion"])]
+                x = names[part].index(row[part]) + offsets[place + motions.index(row["motion"])]
                 look = none | {"color": self._colours[row["ambient_degC"]], "markersize": 3.5}
                 y = quantity(column).shown(row[column])
-                ax.plot([at], [y], marker=markers[row["bearing"]], **look)
+                ax.plot([x], [y], marker=markers[row["bearing"]], **look)
             ticks: drawing.Look = {"rotation": 30, "ha": "right", "rotation_mode": "anchor"}
             ax.set_xticks(range(len(names[part])), names[part], **ticks)
             ax.set_xlim(-0.6, len(names[part]) - 0.4)
@@ -464,33 +508,42 @@ class EarthquakeFigures(Panels):
         table, ambients = self._table.assign(mode=self._result.modes), self._ambients
         shown = [quantity(name, head=head) for name, head in SHOWN.items()]
         shown = [item for item in shown if np.isfinite(table[item.name]).any()]
-        columns = len(self._bearings)
-        wide = max(1.9, 0.5 * len(ambients) + 0.9)
-        size = (max(wide * columns, 4.0) + 0.8, 1.55 * len(shown) + 1.2)
+        bearings = len(self._bearings)
+        # Of one bearing the quantities stand side by side, or the figure would be a narrow column.
+        columns = bearings if bearings > 1 else min(PEAK_COLUMNS, len(shown))
+        rows_of_panels = math.ceil(len(shown) * bearings / columns)
+        panel_width = max(1.9, 0.5 * len(ambients) + 0.9)
+        if bearings == 1:  # each panel has a label of its own at the side
+            panel_width += 0.5
+        size = (max(panel_width * columns, 4.0) + 0.8, 1.55 * rows_of_panels + 1.2)
         kinds = " and ".join(f"{kind}s" for kind in self._result.part_kinds)
         of_all = f" (largest of all {kinds})" if self._result.has_parts else ""
-        figure, axes = drawing.panels(len(shown), columns, size, self._title(f"peaks{of_all}"))
+        figure, axes = drawing.panels(rows_of_panels, columns, size, self._title(f"peaks{of_all}"))
+        for empty_panel in axes[len(shown) * bearings :]:
+            empty_panel.set_visible(False)
+        axes = axes[: len(shown) * bearings]
         names = [drawing.degrees(value).removesuffix(" °C") for value in ambients]
         for panel, ax in enumerate(axes):
-            item, last = shown[panel // columns], panel // columns == len(shown) - 1
-            mine = table[table["bearing"] == self._bearings[panel % columns]]
+            item, last = shown[panel // bearings], panel + columns >= len(axes)
+            bearing_runs = table[table["bearing"] == self._bearings[panel % bearings]]
             for place, ambient in enumerate(ambients):
-                rows = mine[mine["ambient_degC"] == ambient]
+                rows = bearing_runs[bearing_runs["ambient_degC"] == ambient]
                 self._dots(ax, place, rows.assign(value=item.shown(rows[item.name])))
             top = item.shown(float(np.nanmax(table[item.name])))
             ax.set_ylim(0.0, 1.2 * top or 1.0)  # a deck on the ground has no pier that moves
             if item.name == "bearing_strain_max":
-                end = self._result.tested_to(list(mine.index), "strain")
+                end = self._result.tested_to(list(bearing_runs.index), "strain")
                 drawing.mark_tested(ax, item.shown(end), "tested to here")
             if item.name == "pier_ductility" and ax.get_ylim()[1] > 1.0:
                 drawing.mark_tested(ax, 1.0, "yields")
-            label = item.title if panel % columns == 0 else ""
+            label = item.title if panel % bearings == 0 else ""
             drawing.name_axes(ax, "ambient [°C]" if last else "", label)
             ax.yaxis.label.set_fontsize(drawing.SMALL)
             ax.set_xticks(range(len(names)), names if last else [""] * len(names))
             ax.set_xlim(-0.6, len(names) - 0.4)
             ax.grid(False, axis="x")
-        drawing.head_grid(axes, self._bearings if columns > 1 else [""], [])
+        if bearings > 1:
+            drawing.head_grid(axes, self._bearings, [])
         figure.align_ylabels()
         look: drawing.Look = {"color": drawing.GREY}
         motions = self._motions if len(self._motions) <= len(drawing.MARKERS) else []
@@ -508,17 +561,17 @@ class EarthquakeFigures(Panels):
         """Draw marks of one temperature side by side by motion, and their mean for each mode."""
         offsets = np.linspace(-0.5, 0.5, len(self._motions) + 2)[1:-1] * SPREAD
         colour = self._colours[self._ambients[place]]
-        for mode, same in rows.groupby("mode", sort=False):
+        for mode, mode_rows in rows.groupby("mode", sort=False):
             slow = mode == "pd"
-            for row in same.to_dict("records"):
+            for row in mode_rows.to_dict("records"):
                 number = self._motions.index(row["motion"])
                 look: drawing.Look = {"markerfacecolor": "none" if slow else colour}
                 look |= {"marker": drawing.MARKERS[number % len(drawing.MARKERS)]}
-                at = [place + offsets[number]], [row["value"]]
-                ax.plot(*at, color=colour, markersize=4.5, linestyle="none", **look)
+                x, y = [place + offsets[number]], [row["value"]]
+                ax.plot(x, y, color=colour, markersize=4.5, linestyle="none", **look)
             line: drawing.Look = {"linewidth": 1.2, "linestyle": "--" if slow else "-"}
             ends = [place - MEAN, place + MEAN]
-            ax.plot(ends, [float(same["value"].mean())] * 2, color=colour, zorder=1.5, **line)
+            ax.plot(ends, [float(mode_rows["value"].mean())] * 2, color=colour, zorder=1.5, **line)
 
     def profiles(self, times: Sequence[float] | None = None) -> Figure:
         """Return temperatures through the height, as Fig. 4.14 and 5.17.
@@ -556,40 +609,9 @@ class EarthquakeFigures(Panels):
         columns = chosen["ambient_degC"].nunique()
         size = (max(5.5, 1.9 + 2.6 * columns), 0.9 + 4.0 * len(bearings))
         subject = str(data.attrs["structure"]) + (f", {bearings[0]}" if len(bearings) == 1 else "")
-        title, names = f"{subject}: temperature through the height, {', '.join(shown)}", moments
-        return draw_profile_panels(title, size, columns, drawn, [f"{one:g} s" for one in names])
-
-    def orbit(self) -> Figure:
-        """Return the paths of displacement and force of one bearing in plan.
-
-        They lie below each other, or side by side where there is one motion.
-        """
-        view, data = copy.copy(self), self._result.dataset
-        view._data = data  # with both directions
-        names = (("bearing_displacement", "displacement"), ("bearing_force", "force"))
-        motions, sides = self._motions[:MOST_COLUMNS], self._bearings
-        rows: list[tuple[str, ...]] = [(bearing,) for bearing in sides]
-        columns: list[tuple[str, ...]] = [(motion,) for motion in motions]
-        if len(motions) > 1:
-            rows = [(*row, *name) for row in rows for name in names]
-            sides = [f"{row[0]}\n{row[2]}" for row in rows]
-        else:
-            columns = [(*name, *motions) for name in names]
-        title = view._title("paths of one bearing in plan", motions=True)
-        figure, cells = self._grid(
-            title, LOOP_PANEL, rows, columns, ("", ""),
-            heads=motions, sides=sides, share=False, zero=True,
-        )  # fmt: skip
-        for ax, row, column in cells:
-            bearing, name, what, motion = row + column
-            for run in self._find_runs(bearing=bearing, motion=motion):
-                kept = np.isfinite(data["time"].values[run])
-                x, y = data[name].values[run, kept, :2].astype(float).T
-                thin = drawing.thin_loops(x, y, *[max(np.ptp([x, y]), 1e-12)] * 2)
-                look = {"color": self._colour(run)}
-                drawing.draw_orbit(ax, x[thin], y[thin], what, quantity(name).unit, **look)
-        self._legend(figure)
-        return figure
+        title = f"{subject}: temperature through the height, {', '.join(shown)}"
+        names = [f"{moment:g} s" for moment in moments]
+        return draw_profile_panels(title, size, columns, drawn, names)
 
     def components(self) -> Figure:
         """Return peaks with two components over those with one at a time, a dot for each run.
@@ -603,18 +625,22 @@ class EarthquakeFigures(Panels):
         figure, cells = self._grid(
             self._title("two components over one at a time"),
             (2.2, 0.4 * len(peaks)),
-            self._bearings, names, ("ratio", ""), heads=[COMBINATIONS[name] for name in names],
+            self._bearings,
+            names,
+            ("ratio", ""),
+            heads=[COMBINATIONS[name] for name in names],
             sides=self._bearings,
-        )  # fmt: skip
+        )
         for ax, bearing, name in cells:
             ax.axvline(1.0, color=drawing.GREY, linewidth=0.8, zorder=1)
-            mine = frame[(frame["bearing"] == bearing) & (frame["combination"] == name)]
-            for row in mine.to_dict("records"):
-                near = self._ambients.index(row["ambient_degC"]) / max(len(self._ambients) - 1, 1)
-                at = peaks.index(row["quantity"]) + SPREAD * (near - 0.5)
+            ratios = frame[(frame["bearing"] == bearing) & (frame["combination"] == name)]
+            for row in ratios.to_dict("records"):
+                # From the coldest, 0, to the warmest, 1: dots of one peak lie below each other.
+                rank = self._ambients.index(row["ambient_degC"]) / max(len(self._ambients) - 1, 1)
+                y = peaks.index(row["quantity"]) + SPREAD * (rank - 0.5)
                 look: drawing.Look = {"color": self._colours[row["ambient_degC"]], "markersize": 3}
-                ax.plot([row["two_over_one"]], [at], "o", **look)
-            ax.set_yticks(range(len(peaks)), [quantity(one).meaning for one in peaks])
+                ax.plot([row["two_over_one"]], [y], "o", **look)
+            ax.set_yticks(range(len(peaks)), [quantity(peak).meaning for peak in peaks])
             ax.set_ylim(len(peaks) - 0.5, -0.5)
         self._legend(figure)
         return figure
@@ -624,17 +650,23 @@ class EarthquakeFigures(Panels):
 
         In plan some are of the resultant, and there is one for each direction of the others.
         """
-        result, found = self._result, self._draw_one()
+        result, figures = self._result, self._draw_one()
         if not result.directions:
-            return found
+            return figures
         of_all = (*OF_RESULTANT, "comparison") if result.in_plan else ()
-        found = {name: draw for name, draw in found.items() if name in of_all}
-        found |= {"orbit": self.orbit} if result.in_plan else {}
-        found |= {"components": self.components} if len(result.components) else {}
-        for way in result.directions:
-            own = result.sel(direction=way).plot.draw_all()
-            found |= {f"{name}_{way}": draw for name, draw in own.items() if name not in found}
-        return found
+        figures = {name: draw for name, draw in figures.items() if name in of_all}
+        figures |= {"orbit": self.orbit} if result.in_plan else {}
+        figures |= {"components": self.components} if len(result.components) else {}
+        for direction in result.directions:
+            if not result.moves_along(direction):
+                continue
+            direction_figures = result.sel(direction=direction).plot.draw_all()
+            figures |= {
+                f"{name}_{direction}": draw
+                for name, draw in direction_figures.items()
+                if name not in figures
+            }
+        return figures
 
     def _draw_one(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws the figures of the resultant, or of one direction."""
@@ -644,7 +676,7 @@ class EarthquakeFigures(Panels):
 
         compared = self._result.compared
         always = (self.loops, self.strain, self.energy)
-        found: dict[str, Callable[[], Figure]] = {
+        figures: dict[str, Callable[[], Figure]] = {
             draw.__name__: draw for draw in (*always, self.deck, self.peaks)
         }
         has_pier = self._result.has_pier
@@ -659,9 +691,10 @@ class EarthquakeFigures(Panels):
             (self.profiles, _holds("depth")),
             (self.shares, _holds("lead_temperature")),
             (self.speed, self._data.attrs["command"] == "hybrid"),
+            (self.motion_spectra, bool(motion_targets(self._data))),
         )
-        found |= {draw.__name__: draw for draw, holds in sometimes if holds}
+        figures |= {draw.__name__: draw for draw, holds in sometimes if holds}
         if compared:
-            found["comparison"] = self.comparison
-            found["comparison_loops"] = self.comparison_loops
-        return found
+            figures["comparison"] = self.comparison
+            figures["comparison_loops"] = self.comparison_loops
+        return figures

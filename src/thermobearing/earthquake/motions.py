@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
-from thermobearing.border.errors import InputError, is_file
-from thermobearing.border.lazy import pd
+from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd, xr
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Name, OneLine, Strict, in_unit, validated
 from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.motions.library import list_motions, load_motion
@@ -20,12 +22,26 @@ from thermobearing.motions.pair import (
     make_pair,
     rotation_measures,
 )
-from thermobearing.motions.record import MOST_SAMPLES, GroundMotion, check_size, motion_from_arrays
+from thermobearing.motions.record import (
+    MOST_SAMPLES,
+    GroundMotion,
+    check_size,
+    motion_from_arrays,
+)
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import joined, quantity
+from thermobearing.results.directory import MOTION
+from thermobearing.results.writing import from_attribute
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+    from thermobearing.motions.targets import DesignSpectrum
 
 MOST_ANGLES = 360  # of a pair in one table
 # Keys of each record of a pair: its name or file, component and samples.
 FIRST = ("name", "component", "acceleration")
 SECOND = ("across", "across_component", "across_acceleration")
+THIRD = ("vertical", "vertical_component", "vertical_acceleration")
 Sample = Annotated[float, Field(ge=-1e12, le=1e12)]
 Samples = Annotated[tuple[Sample, ...], Field(max_length=MOST_SAMPLES)]
 
@@ -37,11 +53,19 @@ class Motion(Strict):
     that name by component, ending, factor, angle or folder; an angle that is not zero is always
     in it. `group` names those whose peaks are averaged; by default the standard spectrum of a
     built-in motion. `acceleration` holds the samples of one that is no file, in `unit`, every `dt`.
+    `angle` is that from the axis of the bridge to the first record of a pair [deg], positive
+    towards the second, which is at a right angle.
 
-    `across` makes a pair: the record of the direction at a right angle, of the same file if only
-    `across_component` is given. `angle` is that from the axis of the bridge to the first record
-    [deg], positive towards the second. `resample` brings the second record to the time step of the
-    first, and cuts both to the shorter length.
+    Attributes
+    ----------
+    across : file or built-in name of the second record of a pair.
+    across_component : component of the second record; makes a pair with the same file.
+    resample : bring the second record of a pair to the time step of the first, and cut both to one
+        length.
+    vertical : file or built-in name of the vertical record, positive upwards, of the step and
+        length of the first.
+    vertical_component : component of the vertical record; from the same file if `vertical` is not
+        stated.
     """
 
     name: Annotated[str, Field(min_length=1)]
@@ -59,21 +83,26 @@ class Motion(Strict):
     group: Annotated[str, Field(min_length=1, max_length=60), OneLine] | None = None
     acceleration: Samples | None = None
     across_acceleration: Samples | None = None
+    vertical: Annotated[str, Field(min_length=1)] | None = None
+    vertical_component: str | None = None
+    vertical_acceleration: Samples | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        found = []
-        missing = [key for key in ("unit", "dt") if key not in given]
-        if "acceleration" in given and missing:
-            found.append(f"acceleration: samples need {' and '.join(missing)} too")
-        if "across_acceleration" in given and not {"across", "acceleration"} <= set(given):
-            found.append("across_acceleration: needs across (a name) and acceleration too")
-        if given.get("resample") and not {"across", "across_component"} & set(given):
-            found.append("resample: requires across, the record that is resampled")
-        first, second = _keys(given)
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        faults = []
+        missing = [key for key in ("unit", "dt") if key not in values]
+        if "acceleration" in values and missing:
+            faults.append(f"acceleration: samples need {' and '.join(missing)} too")
+        if "across_acceleration" in values and not {"across", "acceleration"} <= set(values):
+            faults.append("across_acceleration: needs across (a name) and acceleration too")
+        if "vertical_acceleration" in values and not {"vertical", "acceleration"} <= set(values):
+            faults.append("vertical_acceleration: needs vertical (a name) and acceleration too")
+        if values.get("resample") and not {"across", "across_component"} & set(values):
+            faults.append("resample: requires across, the record that is resampled")
+        first, second = _keys(values)
         if second and first == second:
-            found.append("across: is the record of name; a pair has two different components")
-        return found
+            faults.append("across: is the record of name; a pair has two different components")
+        return faults
 
     @property
     def is_pair(self) -> bool:
@@ -104,6 +133,24 @@ class Motion(Strict):
             name=self.label or "",
         )
 
+    @property
+    def has_vertical(self) -> bool:
+        """Whether it has a vertical record."""
+        return self.vertical is not None or self.vertical_component is not None
+
+    def load_vertical(self) -> GroundMotion | None:
+        """Return the vertical record, not yet scaled; None without one."""
+        if not self.has_vertical:
+            return None
+        first, upwards = self._record(*FIRST), self._record(*THIRD)
+        steps = [len(record.acceleration) for record in (first, upwards)]
+        if first.dt != upwards.dt or steps[0] != steps[1]:
+            raise InputError(
+                f"vertical: has {steps[1]} samples every {upwards.dt:g} s, but the first record "
+                f"has {steps[0]} every {first.dt:g} s; give records of one step and length"
+            )
+        return upwards
+
     def _record(self, name_key: str, component_key: str, samples_key: str) -> GroundMotion:
         """Return one of the two records, under its own name."""
         name = getattr(self, name_key) or self.name
@@ -117,6 +164,7 @@ class Motion(Strict):
                 component=component or "",
                 trust_unit=True,
             )
+        # Size and time of the file are part of the key of the cache: an edited file is read again.
         stamp = None
         if is_file(Path(name)):
             status = Path(name).stat()
@@ -130,19 +178,26 @@ def pair_notes(motions: Sequence[Mapping[str, Any]], *, plan: bool) -> list[str]
     >>> pair_notes([{"name": "a", "across": "b"}, {"name": "a"}], plan=False)[0][:23]
     '1 of 2 motions have two'
     """
-    pairs = [one for one in motions if {"across", "across_component", "angle"} & set(one)]
+    pairs = [motion for motion in motions if {"across", "across_component", "angle"} & set(motion)]
     if not pairs or plan:
         return []
-    some = f"{len(pairs)} of {len(motions)} motions have two records or an angle"
-    return [f"{some}; the structure is in one direction and is moved by their component along x"]
+    subject = f"{len(pairs)} of {len(motions)} motions have two records or an angle"
+    return [
+        f"{subject}; only their component along x acts, since the structure is in one direction"
+    ]
 
 
-def _keys(given: dict[str, Any]) -> list[tuple[Any, ...] | None]:
+def _keys(table: dict[str, Any]) -> list[tuple[Any, ...] | None]:
     """Return what identifies each record of a table; None for the second without one."""
-    first, second = ([given.get(key) for key in keys[:2]] for keys in (FIRST, SECOND))
-    if second == [None, None]:
-        return [tuple(first), None]
-    return [tuple(first), (second[0] or first[0], second[1])]
+    first, second = (
+        (table.get(name_key), table.get(component_key))
+        for name_key, component_key, _ in (FIRST, SECOND)
+    )
+    if second == (None, None):
+        return [first, None]
+    name, component = second
+    # A component alone is one of the file of the first record.
+    return [first, (name or table.get("name"), component)]
 
 
 @lru_cache(maxsize=16)
@@ -158,9 +213,9 @@ def motion_table(motion: GroundMotion | MotionPair) -> dict[str, Any]:
     try:
         check_size(motion.pga, "mm/s2", instrument=True, trusted=False)
     except InputError as error:
-        said = str(error).partition("? If the unit is right")[0]  # a case has no trust_unit
+        message = str(error).partition("? If the unit is right")[0]  # a case has no trust_unit
         raise InputError(
-            f'{type(motion).__name__} "{motion.name}": {said}; its acceleration must be in '
+            f'{type(motion).__name__} "{motion.name}": {message}; its acceleration must be in '
             "mm/s2. Give the samples as a Motion, or a file as a table, to scale it by a factor"
         ) from None
     table: dict[str, Any] = {"unit": "mm/s2", "dt": with_unit(motion.dt, "s")}
@@ -188,23 +243,26 @@ def settle_motions(
     loaded: list[GroundMotion] = []
     problems: list[str] = []
     for number, item in enumerate(items):
-        here = key.format(number)
+        item_key = key.format(number)
         try:
+            # The group is there before anything can fail, so that faults have the item's number.
             groups.append([_table(item, folder)])
             groups[-1] = _at_angles(groups[-1][0])
             for table in groups[-1]:
                 if isinstance(table, dict) and isinstance(table.get("name"), str):
-                    made = _made(table)
-                    loaded += [made.load()] if made is not None else []
+                    motion = _valid_motion(table)
+                    if motion is not None:
+                        motion.load_vertical()
+                    loaded += [motion.load()] if motion is not None else []
         except InputError as error:
-            problems += error.lines(here)
+            problems += error.lines(item_key)
     tables = [table for group in groups for table in group]
     if problems or len(loaded) < len(tables):  # the case reports faults by the number of an item
         return [group[0] for group in groups], loaded, problems
-    return tables, loaded, _tell_apart(tables, loaded)
+    return tables, loaded, _make_labels_differ(tables, loaded)
 
 
-def _made(table: dict[str, Any]) -> Motion | None:
+def _valid_motion(table: dict[str, Any]) -> Motion | None:
     """Return the motion of a table; None for faults that the check of the case reports."""
     try:
         return validated(Motion, table, "motion")
@@ -224,7 +282,7 @@ def _table(item: Any, folder: Path) -> Any:
     if not isinstance(table, dict) or not isinstance(table.get("name"), str):
         return table
     table = dict(table)
-    for name, _, key in (FIRST, SECOND):
+    for name, _, key in (FIRST, SECOND, THIRD):
         record, samples = table.get(name), table.get(key)
         if samples is not None and hasattr(samples, "tolist"):
             table[key] = samples.tolist()
@@ -244,42 +302,50 @@ def _at_angles(table: Any) -> list[Any]:
     del table["angle"]  # faults of it are reported here, and others by the check of the case
     if not 1 <= len(angles) <= MOST_ANGLES:
         raise InputError(f"angle: has {len(angles)} angles; give 1 to {MOST_ANGLES}")
-    found = [table | {"angle": angle} for angle in angles]
-    for place, one in enumerate(found):
+    # Each angle is checked alone, so that its fault states its place in the list.
+    for place, angle in enumerate(angles):
         try:
-            validated(Motion, {"name": "any", "angle": one["angle"]}, "motion")
+            validated(Motion, {"name": "any", "angle": angle}, "motion")
         except InputError as error:
             faults = [text.replace("angle", f"angle[{place}]", 1) for text in error.problems]
             raise InputError(faults) from None
-    return found
+    return [table | {"angle": angle} for angle in angles]
 
 
-def _tell_apart(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
+def _make_labels_differ(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
     """Give motions of one name labels that differ; return the faults where that fails."""
     faults = []
     names = [motion.name for motion in loaded]
     for name in dict.fromkeys(names):
-        same = [k for k, other in enumerate(names) if other == name]
-        if len(same) == 1:
+        numbers = [k for k, candidate in enumerate(names) if candidate == name]
+        if len(numbers) == 1:
             continue
-        ends = _ends([(tables[k], loaded[k]) for k in same])
-        twice = any(tables[k] == tables[j] for k in same for j in same if j < k)
-        labelled = any(tables[k].get("label") is not None for k in same)
-        if twice or (labelled and not all(AT in end for end in ends)):
+        ends = _ends([(tables[k], loaded[k]) for k in numbers])
+        is_repeated = any(tables[k] == tables[j] for k in numbers for j in numbers if j < k)
+        # Labels that a user chose are not changed, except by the angle, which is always in them.
+        labelled = any(tables[k].get("label") is not None for k in numbers)
+        if is_repeated or (labelled and not all(AT in end for end in ends)):
             faults.append(f'motions: "{name}" is given more than once')
             continue
-        for k, end in zip(same, ends, strict=True):
+        for k, end in zip(numbers, ends, strict=True):
             tables[k]["label"] = f"{name}{end}"
             loaded[k] = replace(loaded[k], name=tables[k]["label"])
+    # The name of a motion in a result directory is that of the directory and not of the file.
+    for table, motion in zip(tables, loaded, strict=True):
+        if table.get("label") is None and Path(table["name"]).name == MOTION:
+            table["label"] = motion.name
+    # A label that states its angle already, as one of a resolved case does, is not lengthened.
     for k, table in enumerate(tables):
         label = loaded[k].name.removesuffix(_at(table)) + _at(table)
         if _angle(table) and label != loaded[k].name:
             table["label"], loaded[k] = label, replace(loaded[k], name=label)
     labels = [motion.name for motion in loaded]
-    again = {label for label in labels if labels.count(label) > 1}
-    return faults or [f'motions: two are called "{label}"; give a label' for label in again]
+    duplicates = {label for label in labels if labels.count(label) > 1}
+    return faults or [f'motions: two are called "{label}"; give a label' for label in duplicates]
 
 
+TARGETS = "motion_targets"  # attribute of a dataset: motions that were made to fit a spectrum
+MM_PER_M = 1e3
 AT = " at "  # between the label of a pair and its angle
 
 
@@ -299,11 +365,14 @@ def rotation_groups(motions: Sequence[Mapping[str, Any]]) -> dict[str, dict[str,
     for motion in motions:
         if "angle" not in motion or "label" not in motion:
             continue
-        same = {key: value for key, value in motion.items() if key not in ("angle", "label")}
-        known = next((angles for other, angles in groups if other == same), None)
-        if known is None:
-            groups.append((same, known := {}))
-        known[str(motion["label"])] = parse_quantity(str(motion["angle"]), "deg")
+        # Tables that differ in angle and label only are the same records, turned.
+        record_table = {
+            key: value for key, value in motion.items() if key not in ("angle", "label")
+        }
+        labelled_angles = next((angles for table, angles in groups if table == record_table), None)
+        if labelled_angles is None:
+            groups.append((record_table, labelled_angles := {}))
+        labelled_angles[str(motion["label"])] = parse_quantity(str(motion["angle"]), "deg")
     several = [angles for _, angles in groups if len(distinct_angles([*angles.values()])) > 1]
     return {
         next(iter(angles)).rpartition(AT)[0] or next(iter(angles)): angles for angles in several
@@ -323,26 +392,120 @@ def rotation_frame(
     rows = []
     peaks = runs[list(names)].astype(float).where(runs["outcome"] == "completed")
     for motion, angles in rotation_groups(motions).items():
-        mine = runs[runs["motion"].isin(list(angles))]
-        for same, group in mine.groupby(list(labels), sort=False, dropna=False):
-            turned = [angles[str(label)] for label in group["motion"]]
-            found = rotation_measures(peaks.loc[group.index].to_numpy(), turned)
-            about = dict(zip(labels, same, strict=True)) | {"motion": motion}
-            about["angles"] = len(distinct_angles(turned))
-            for measure, values in zip(("RotD50", "RotD100"), found, strict=True):
-                rows.append(about | {"measure": measure} | dict(zip(names, values, strict=True)))
+        motion_runs = runs[runs["motion"].isin(list(angles))]
+        for label_values, group in motion_runs.groupby(list(labels), sort=False, dropna=False):
+            turned_by = [angles[str(label)] for label in group["motion"]]
+            percentiles = rotation_measures(peaks.loc[group.index].to_numpy(), turned_by)
+            label_columns = dict(zip(labels, label_values, strict=True)) | {"motion": motion}
+            label_columns["angles"] = len(distinct_angles(turned_by))
+            for measure, values in zip(("RotD50", "RotD100"), percentiles, strict=True):
+                rows.append(
+                    label_columns | {"measure": measure} | dict(zip(names, values, strict=True))
+                )
     return pd.DataFrame(rows)
 
 
 def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:
     """Return ends of labels that differ: component, ending, factor, folder, angle or number."""
     paths = [Path(table["name"]) for table, _ in motions]
-    ways = [
+    choices = [
         [f"-{motion.component}" if motion.component else "" for _, motion in motions],
         [path.suffix.replace(".", "-") for path in paths],
         [f"-x{table.get('factor', 1.0):g}" for table, _ in motions],
         [f"-{path.parent.name}" for path in paths],
         [_at(table) for table, _ in motions],
     ]
-    unique = [way for way in ways if len(set(way)) == len(way)]
+    # The first property in which all motions differ, in the order above, names them.
+    unique = [endings for endings in choices if len(set(endings)) == len(endings)]
     return unique[0] if unique else [f"-{k}" for k in range(1, len(motions) + 1)]
+
+
+class MotionTarget(NamedTuple):
+    """The spectrum that a motion was made to fit, times the factor of the motion."""
+
+    description: str
+    spectrum: "DesignSpectrum"
+
+
+def motion_targets(dataset: "xr.Dataset") -> dict[str, MotionTarget]:
+    """Return the target spectra of the motions that were made to fit one, by name."""
+    from thermobearing.motions.targets import read_target  # takes scipy
+
+    rows = from_attribute(dataset, TARGETS) if TARGETS in dataset.attrs else {}
+    targets = {}
+    for name, row in rows.items():
+        spectrum = read_target(row["target"])
+        factor = spectrum.factor * float(row["factor"])
+        targets[name] = MotionTarget(row["description"], replace(spectrum, factor=factor))
+    return targets
+
+
+def given_motions_table(
+    motions: Sequence[Mapping[str, Any]], result: "EarthquakeResult | None" = None
+) -> Table:
+    """Return the motions of a resolved case; with a result their length and peak as run."""
+    rows: list[dict[str, Any]] = []
+    targets = {} if result is None else motion_targets(result.dataset)
+    for motion in motions:
+        records = [Path(str(motion[key])).stem for key in ("name", "across") if motion.get(key)]
+        name = str(motion.get("label") or "+".join(dict.fromkeys(records)))
+        row = {"motion": name, "motion_factor": float(motion.get("factor", 1.0))}
+        row |= {"motion_angle": quantity(motion["angle"])} if motion.get("angle") else {}
+        if result is not None:
+            names = [str(label) for label in result["motion"].values]
+            if name not in names:  # interrupted before it
+                continue
+            run = names.index(name)
+            row["motion_length_s"] = float(np.nanmax(result["time"].values[run]))
+            row["motion_peak_m_s2"] = float(
+                np.nanmax(np.abs(result["ground_acceleration"].values[run]))
+            )
+        source = _motion_source(motion)
+        if name in targets:
+            source = f"{source}: {targets[name].description}"
+        rows.append(row | {"source": source})
+    note = ""
+    if result is not None:
+        note = f"Lengths and peaks as run, after factor and cut. {_peaks_of_targets(rows, targets)}"
+    return make_table(pd.DataFrame(rows), None, "Ground motions", note=note.strip())
+
+
+def _peaks_of_targets(
+    rows: Sequence[Mapping[str, Any]], targets: Mapping[str, MotionTarget]
+) -> str:
+    """Return the peak accelerations that differ from that of the target at period zero.
+
+    They do by more than the misfit that generated motions may have; empty where none does.
+    """
+    from thermobearing.motions.matching import LARGEST_MISFIT  # takes scipy
+
+    ratios = {}
+    for row in rows:
+        target = targets.get(str(row["motion"]))
+        if target is not None and (at_rest := target.spectrum.ground_acceleration):
+            ratio = row["motion_peak_m_s2"] * MM_PER_M / at_rest
+            if abs(ratio - 1.0) > LARGEST_MISFIT:
+                ratios[str(row["motion"])] = ratio
+    if not ratios:
+        return ""
+    peaks = joined(f"{ratio:.2f} times ({name})" for name, ratio in ratios.items())
+    return (
+        "Peak ground accelerations differ from the acceleration of the target spectrum at period "
+        f"zero, such as A_s, times the factor of the motion: {peaks}. Motions are fitted over "
+        "0.1 to 3 s and not at period zero."
+    )
+
+
+def _motion_source(motion: Mapping[str, Any]) -> str:
+    name = str(motion.get("name", ""))
+    if "acceleration" in motion:
+        return "samples given in Python"
+    if {name, str(motion.get("across", name))} <= set(list_motions()):
+        return "synthetic stand-in fitted to the Level 2 standard spectrum of JRA"
+    paths = [Path(str(motion[key])) for key in ("name", "across") if motion.get(key)]
+    # Every directory of `motions make` has a file of this name; its folder tells which it is.
+    files = [
+        f"{path.parent.name}/{path.name}" if path.name == MOTION and path.parent.name else path.name
+        for path in paths
+    ]
+    return f"file {' and '.join(files)}" if files else ""

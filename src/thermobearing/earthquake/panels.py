@@ -1,20 +1,25 @@
-"""Panels of figures of earthquakes: grids, parts, strong motion, and comparisons of models."""
+"""Panels of figures of earthquakes: grids, parts, strong motion, paths, comparisons of models."""
 
+import copy
 from collections.abc import Callable, Sequence
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
-from thermobearing.earthquake.measures import DIRECTION, GOVERNING
+from thermobearing.earthquake.earlier import INNER, SINGLE, run_keys
+from thermobearing.earthquake.measures import DIRECTION, GOVERNING, MM_PER_M
+from thermobearing.earthquake.motions import motion_targets
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.tables import INNER, SINGLE, run_keys
 from thermobearing.model.earlier import REFERENCE
+from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
@@ -27,10 +32,13 @@ FIRST, LAST = 0.05, 0.95  # of the Arias intensity
 MARGIN = 0.2  # of the strong part, on both sides: the answer of the structure comes later
 QUARTERS = 4
 MOST_COLUMNS = 4
+SPECTRUM_PERIODS, SPECTRUM_POINTS = (0.05, 5.0), 120  # of the figure of spectra [s]
+TARGET_LINES = ("--", "-.", ":")
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
 Draw = Callable[[Axes, int], None]
 COMPARISON_SIZE = (3.1, 2.3)  # of one panel [inch]
+LOOP_PANEL = (3.0, 2.7)  # likewise
 BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
 LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
 
@@ -38,12 +46,15 @@ LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
 Cell = tuple[Axes, Any, Any]  # a panel, what its row and what its column stand for
 
 
-def part_names(dataset: "xr.Dataset") -> str:
+PARTS = ("line", "pier")
+
+
+def part_names(dataset: "xr.Dataset", parts: Sequence[str] = PARTS) -> str:
     """Return which line and pier tables and histories show; empty where there is one of each."""
     if "line" not in dataset.coords:
         return ""
-    names = {part: str(dataset.attrs[part]) for part in ("line", "pier")}
-    if names["pier"] == GROUND:  # the deck has no pier
+    names = {part: str(dataset.attrs[part]) for part in parts}
+    if names.get("pier") == GROUND:  # the deck has no pier
         del names["pier"]
     labels = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
     return ", ".join(labels)
@@ -56,22 +67,30 @@ def select_part(dataset: "xr.Dataset", part: str, name: str | None) -> "xr.Datas
     if name is None or (name == dataset.attrs.get(part) and not several):
         return dataset
     dimension = "line" if part == "line" else "pier_part"
-    names = [str(one) for one in dataset[dimension].values] if several else []
-    known = names or [str(dataset.attrs.get(part, ""))]
+    names = [str(label) for label in dataset[dimension].values] if several else []
+    choices = names or [str(dataset.attrs.get(part, ""))]
     if name not in names:
-        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), known)}')
-    own = dataset.sel({dimension: name}, drop=True)
+        raise InputError(f'{part} = "{name}": no {part} has that name{nearest(str(name), choices)}')
+    part_data = dataset.sel({dimension: name}, drop=True)
     if part == "pier":
         histories = ("displacement", "rotation", "moment")
-        changed = {f"pier_{one}": own[f"pier_part_{one}"] for one in histories}
-        changed |= {key: own[of] for key, of in GOVERNING.items() if key.startswith("pier_")}
-    else:
-        way = own["line_displacement_max"]
-        per_mm = own["line_strain_max"] / way.where(way > 0.0)
-        changed = {
-            "bearing_strain": own["line_displacement"] * per_mm,
-            "bearing_strain_max": own["line_strain_max"],
+        changed = {f"pier_{key}": part_data[f"pier_part_{key}"] for key in histories}
+        changed |= {
+            peak: part_data[part_peak]
+            for peak, part_peak in GOVERNING.items()
+            if peak.startswith("pier_")
         }
+    else:
+        # A line that does not move has no ratio of strain to displacement, and strains of NaN.
+        displacement = part_data["line_displacement_max"]
+        per_mm = part_data["line_strain_max"] / displacement.where(displacement > 0.0)
+        changed = {
+            "bearing_strain": part_data["line_displacement"] * per_mm,
+            "bearing_strain_max": part_data["line_strain_max"],
+            "bearing_displacement": part_data["line_displacement"],
+            "bearing_force": part_data["line_force"],
+        }
+    # Without coordinates, which would have to agree with those of the dataset.
     kept = {key: value.variable for key, value in changed.items()}
     return dataset.assign(kept).assign_attrs({part: name})
 
@@ -96,26 +115,54 @@ class Panels(drawing.Figures):
         self._result, self._data = result, result.resultant.dataset
         self._table = result.table
         self._bearings = list(dict.fromkeys(self._table["bearing"]))
+        self._shown = self._bearings_of_line()
         self._motions = list(dict.fromkeys(self._table["motion"]))
         self._ambients = sorted(set(self._table["ambient_degC"]))
         colours = drawing.ambient_colours(np.array(self._ambients, dtype=float))
         self._colours = dict(zip(self._ambients, colours, strict=True))
         self._run_modes = list(dict.fromkeys(result.modes))
+        self._parts: Sequence[str] = PARTS  # that titles name
 
-    def _title(self, what: str, motions: bool = False) -> str:
+    def _title(self, subject: str, motions: bool = False) -> str:
         """Return the title of a figure, with the bearing and the motion where there is one.
 
         With `motions` it also states how many of them are shown, and parts.
         """
         count = min(len(self._motions), MOST_COLUMNS)
         several = motions and count < len(self._motions)
-        more = f" (first {count} of {len(self._motions)} motions)" if several else ""
-        about = part_names(self._data) if motions else ""
-        more += f" ({about})" if about else ""
-        way = self._data.attrs.get(DIRECTION, "")
-        names = [one[0] for one in (self._bearings, self._motions) if len(one) == 1]
-        title = f"{self._data.attrs['structure']}{way and f', {way}'}: {what}{more}"
-        return ", ".join([title, *(name for name in names if name not in what)])
+        remarks = []
+        if several:
+            remarks.append(f" (first {count} of {len(self._motions)} motions)")
+        if motions and (parts := part_names(self._data, self._parts)):
+            remarks.append(f" ({parts})")
+        direction = self._data.attrs.get(DIRECTION, "")
+        labels = self._result.bearing_labels
+        bearings = self._shown if motions else self._bearings
+        if not motions and any(name != label for name, label in labels.items()):
+            bearings = []  # several on one bridge: the caption and the tables name them
+        names = [entries[0] for entries in (bearings, self._motions) if len(entries) == 1]
+        place = ", ".join(filter(None, [str(self._data.attrs["structure"]), str(direction)]))
+        title = f"{place}: {subject}{''.join(remarks)}"
+        return ", ".join([title, *(name for name in names if name not in subject)])
+
+    def _bearings_of_line(self) -> list[str]:
+        """Return the bearing of the line whose histories are shown, by bearing of the analysis."""
+        line, lines = str(self._data.attrs.get("line", "")), self._result.line_bearings
+        return [lines.get(name, {}).get(line, name) for name in self._bearings]
+
+    def _of(self, *parts: str) -> Self:
+        """Return these figures with titles that name some parts only."""
+        view = copy.copy(self)
+        view._parts = parts
+        return view
+
+    def _select(self, part: str, name: str | None) -> Self:
+        """Return the figures of one line or pier, by default the reported one."""
+        view = self._of(part)
+        view._data = select_part(self._data, part, name)
+        view._result = EarthquakeResult(view._data)
+        view._shown = view._bearings_of_line()
+        return view
 
     def _values(self, name: str, run: int) -> Floats:
         """Return a history of a run as far as it goes."""
@@ -136,18 +183,27 @@ class Panels(drawing.Figures):
         return LINES[self._result.modes[run]] if len(self._run_modes) > 1 else "-"
 
     def _legend(
-        self, figure: Figure, own: list[Line2D] | None = None, more: Sequence[Line2D] = ()
+        self,
+        figure: Figure,
+        entries: list[Line2D] | None = None,
+        extra_entries: Sequence[Line2D] = (),
     ) -> None:
-        """Add a legend: ambient temperatures unless there are own entries, more, several modes."""
-        handles = own or [
+        """Add a legend: ambient temperatures or other entries, and several modes."""
+        drawing.legend_below(figure, self._handles(entries, extra_entries))
+
+    def _handles(
+        self, entries: list[Line2D] | None = None, extra_entries: Sequence[Line2D] = ()
+    ) -> list[Line2D]:
+        """Return the entries of a legend, by default ambient temperatures and several modes."""
+        handles = entries or [
             Line2D([], [], color=colour, label=f"ambient {drawing.degrees(value)}")
             for value, colour in self._colours.items()
         ]
-        handles = [*handles, *more]
+        handles = [*handles, *extra_entries]
         for mode in self._run_modes if len(self._run_modes) > 1 else []:
             look: drawing.Look = {"linestyle": LINES[mode], "label": MODES[mode]}
             handles.append(Line2D([], [], color=drawing.GREY, **look))
-        drawing.legend_below(figure, handles)
+        return handles
 
     def _note(self, ax: Axes, name: str, runs: list[int], values: Sequence[float]) -> None:
         texts = [f"{value:.3g}" for value in values]
@@ -155,7 +211,7 @@ class Panels(drawing.Figures):
 
     def _by_bearing(
         self,
-        what: str,
+        subject: str,
         size: tuple[float, float],
         labels: tuple[str, str],
         draw: Draw,
@@ -166,11 +222,20 @@ class Panels(drawing.Figures):
         """Return the runs of the first motion: rows are bearings, columns ambient temperatures."""
         motion = self._motions[0]
         heads = [f"ambient {drawing.degrees(value)}" for value in self._ambients]
-        title = self._title(", ".join([what, motion, *heads[: len(heads) == 1]]))
+        # The grid leaves out the head of a single column.
+        only_head = heads if len(heads) == 1 else []
+        title = self._title(", ".join([subject, motion, *only_head]))
         figure, cells = self._grid(
-            title, size, self._bearings, self._ambients, labels,
-            heads=heads, sides=self._bearings, share=share, zero=zero,
-        )  # fmt: skip
+            title,
+            size,
+            self._bearings,
+            self._ambients,
+            labels,
+            heads=heads,
+            sides=self._shown,
+            share=share,
+            zero=zero,
+        )
         for ax, bearing, ambient in cells:
             for run in self._find_runs(bearing=bearing, ambient_degC=ambient, motion=motion):
                 draw(ax, run)
@@ -194,7 +259,10 @@ class Panels(drawing.Figures):
         The only name of a column or row is left out; the title has it.
         """
         count = len(columns)
-        heads, sides = ([""] * count if n and len(n) == 1 else n for n in (heads, sides))
+        if heads is not None and len(heads) == 1:
+            heads = [""] * count
+        if sides is not None and len(sides) == 1:
+            sides = [""] * count
         inches = (max(size[0] * count, 5.0) + 0.6, size[1] * len(rows) + 1.0)
         figure, axes = drawing.panels(len(rows), count, inches, title, share=share)
         for k, ax in enumerate(axes):
@@ -220,16 +288,16 @@ class Panels(drawing.Figures):
             time, ground = time[kept], data["ground_acceleration"].values[run][kept].astype(float)
             if not len(time):
                 continue
-            growth = np.cumsum(ground**2)
+            growth = np.cumsum(ground**2)  # the Arias intensity but for a factor
             first, last = time[0], time[-1]
             if growth[-1] > 0.0:
                 first, last = time[np.searchsorted(growth, [FIRST * growth[-1], LAST * growth[-1]])]
             room = MARGIN * (last - first)
             values = data[name].values[run][kept] if name else ground[:0]
-            known = bool(name) and np.isfinite(values).all()
-            at = [time[place_of_largest(np.abs(values))]] if known else []
-            starts += [place - room for place in [first, *at]]
-            ends += [place + room for place in [last, *at]]
+            is_complete = bool(name) and np.isfinite(values).all()
+            largest_at = [time[place_of_largest(np.abs(values))]] if is_complete else []
+            starts += [place - room for place in [first, *largest_at]]
+            ends += [place + room for place in [last, *largest_at]]
             lasts.append(time[-1])
         if not lasts:
             return 0.0, 1.0
@@ -241,6 +309,8 @@ class Panels(drawing.Figures):
         ductility = float(data["pier_ductility"][run])
         if not np.isfinite(ductility) or ductility <= 0.0:
             return None
+        # The ductility is the largest rotation over that at yield. Until the hinge yields, the
+        # moment is linear in the rotation: the largest elastic point extends to the yield point.
         rotation = float(data["pier_rotation_max"][run]) / ductility
         path = data["pier_rotation"].values[run].astype(float)
         path = path[np.isfinite(path)]
@@ -251,14 +321,14 @@ class Panels(drawing.Figures):
             return None
         return rotation, rotation * float(data["pier_moment"][run, place]) / path[place]
 
-    def _profile_panel(self, run: int, whose: str, moments: list[float]) -> ProfilePanel:
+    def _profile_panel(self, run: int, prefix: str, moments: list[float]) -> ProfilePanel:
         """Return profiles of one run at the kept steps nearest to the times."""
         data = self._data
-        mine = data.isel(run=run)
-        time = mine["time"].values
-        stack = mine.isel(cell=np.isfinite(mine["depth"].values))
+        run_data = data.isel(run=run)
+        time = run_data["time"].values
+        stack = run_data.isel(cell=np.isfinite(run_data["depth"].values))
         stack.attrs["half_stack"] = data.attrs["half_stack"]
-        lead = mine["lead_temperature"].values
+        lead = run_data["lead_temperature"].values
         lines: list[tuple[int, Floats, float | None]] = []
         for number, moment in enumerate(moments):
             if moment > np.nanmax(time) * (1.0 + 1e-6):  # a run that ended early
@@ -266,8 +336,83 @@ class Panels(drawing.Figures):
             row = int(np.nanargmin(np.abs(time - moment)))
             core = float(lead[row]) if np.isfinite(lead[row]) else None
             lines.append((number, stack["temperature"].values[row].astype(float), core))
-        ambient = float(mine["ambient"])
-        return ProfilePanel(f"{whose}{drawing.degrees(ambient)}", ambient, stack, lines)
+        ambient = float(run_data["ambient"])
+        return ProfilePanel(f"{prefix}{drawing.degrees(ambient)}", ambient, stack, lines)
+
+    def motion_spectra(self) -> Figure:
+        """Return response spectra of the motions as run, and the spectra that they are to fit.
+
+        Of a structure in plan, those of the motions along the bridge.
+        """
+        data, targets = self._result.dataset, motion_targets(self._data)
+        title = f"{data.attrs['structure']}: response spectra of the ground motions, 5 % damping"
+        figure, (ax,) = drawing.panels(1, 1, (6.4, 4.0), title)
+        periods = np.geomspace(*SPECTRUM_PERIODS, SPECTRUM_POINTS)
+        colours = drawing.ordered_colours(len(targets), "viridis")
+        handles = []
+        for name, colour in zip(targets, colours, strict=True):
+            run = self._find_runs(motion=name)[0]
+            time = data["time"].values[run].astype(float)
+            count = int(np.isfinite(time).sum())
+            ground = data["ground_acceleration"].values[run, :count].astype(float) * MM_PER_M
+            ground = ground if ground.ndim == 1 else ground[:, 0]
+            motion = GroundMotion(name, float(time[count - 1]) / (count - 1), ground)
+            values = response_spectrum(motion, periods).acceleration / MM_PER_M
+            handles += ax.plot(periods, values, color=colour, linewidth=1.0, label=name)
+        distinct = {str(target.spectrum): target.spectrum for target in targets.values()}
+        for place, spectrum in enumerate(distinct.values()):
+            look: drawing.Look = {"color": drawing.INK, "linestyle": TARGET_LINES[place % 3]}
+            label = spectrum.words.removeprefix("the ")
+            values = spectrum.at(periods) / MM_PER_M
+            handles += ax.plot(periods, values, linewidth=1.8, label=label, **look)
+        ax.set_xscale("log")
+        ax.set_xlim(*SPECTRUM_PERIODS)
+        ax.set_ylim(bottom=0.0)
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        drawing.name_axes(ax, "period [s]", "acceleration [m/s²]")
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def orbit(self) -> Figure:
+        """Return the paths of displacement and force of one bearing in plan.
+
+        They lie below each other, or side by side where there is one motion.
+        """
+        view, data = self._of("line"), self._result.dataset
+        view._data = data  # with both directions
+        names = (("bearing_displacement", "displacement"), ("bearing_force", "force"))
+        motions, sides = self._motions[:MOST_COLUMNS], self._shown
+        rows: list[tuple[str, ...]] = [(bearing,) for bearing in self._bearings]
+        columns: list[tuple[str, ...]] = [(motion,) for motion in motions]
+        if len(motions) > 1:
+            rows = [(*row, *name) for row in rows for name in names]
+            sides = [f"{bearing}\n{label}" for bearing in self._shown for _, label in names]
+        else:
+            columns = [(*name, *motions) for name in names]
+        title = view._title("paths of one bearing in plan", motions=True)
+        figure, cells = self._grid(
+            title,
+            LOOP_PANEL,
+            rows,
+            columns,
+            ("", ""),
+            heads=motions,
+            sides=sides,
+            share=False,
+            zero=True,
+        )
+        for ax, row, column in cells:
+            # The variable and its label are at the end of the row or at the start of the column.
+            bearing, name, label, motion = row + column
+            for run in self._find_runs(bearing=bearing, motion=motion):
+                kept = np.isfinite(data["time"].values[run])
+                x, y = data[name].values[run, kept, :2].astype(float).T
+                span = max(np.ptp([x, y]), 1e-12)  # of both axes, which have the same scale
+                thin = drawing.thin_loops(x, y, span, span)
+                look = {"color": self._colour(run)}
+                drawing.draw_orbit(ax, x[thin], y[thin], label, quantity(name).unit, **look)
+        self._legend(figure)
+        return figure
 
     def comparison(self) -> Figure:
         """Return the inner layer in time, all models over each other (Fig. 4.13, 5.16)."""
@@ -285,8 +430,8 @@ class Panels(drawing.Figures):
             kept = drawing.thin(values, TIME_BINS)
             ax.plot(time[kept], values[kept], **looks[name])
 
-        what = "temperature of the inner layer"
-        return self._compare(looks, _draw, what, ("time [s]", "temperature [°C]"), share=False)
+        subject = "temperature of the inner layer"
+        return self._compare(looks, _draw, subject, ("time [s]", "temperature [°C]"), share=False)
 
     def comparison_loops(self) -> Figure:
         """Return loops of multi-layer and single-temperature model (Fig. 4.11, 5.9, 5.12)."""
@@ -296,22 +441,27 @@ class Panels(drawing.Figures):
         """Return strains of the multi-layer and the single-temperature model (Fig. 5.10, 5.13)."""
         return self._compare_single("strain", ("time", "bearing_strain"), ("time [s]", STRAIN))
 
-    def _compare_single(self, what: str, names: tuple[str, str], labels: tuple[str, str]) -> Figure:
+    def _compare_single(
+        self, subject: str, names: tuple[str, str], labels: tuple[str, str]
+    ) -> Figure:
         """Return the multi-layer model and a single temperature in the plane of two histories."""
 
         def _draw(ax: Axes, name: str, run: int) -> None:
             data = self._result.compared[name].dataset
             kept = np.isfinite(data["time"].values[run])
-            path = (quantity(one).shown(data[one].values[run, kept].astype(float)) for one in names)
+            path = (
+                quantity(variable).shown(data[variable].values[run, kept].astype(float))
+                for variable in names
+            )
             ax.plot(*path, **LOOP_LOOKS[name])
 
-        return self._compare(LOOP_LOOKS, _draw, f"{what} of one bearing", labels)
+        return self._compare(LOOP_LOOKS, _draw, f"{subject} of one bearing", labels)
 
     def _compare(
         self,
         looks: dict[str, drawing.Look],
         draw: Callable[[Axes, str, int], None],
-        what: str,
+        subject: str,
         labels: tuple[str, str],
         share: bool = True,
     ) -> Figure:
@@ -325,7 +475,7 @@ class Panels(drawing.Figures):
                 if keys[run] in runs[name]:
                     draw(ax, name, runs[name][keys[run]])
 
-        what = f"{what}, {modes[0]}" if modes[0] else what
-        figure = panels._by_bearing(what, COMPARISON_SIZE, labels, _draw_models, share=share)
+        subject = f"{subject}, {modes[0]}" if modes[0] else subject
+        figure = panels._by_bearing(subject, COMPARISON_SIZE, labels, _draw_models, share=share)
         drawing.legend_below(figure, [Line2D([], [], label=k, **look) for k, look in looks.items()])
         return figure

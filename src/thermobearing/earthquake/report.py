@@ -1,30 +1,65 @@
 """Report of an analysis of earthquakes: scope, inputs, summary, checks, figures."""
 
-import math
+import copy
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from thermobearing.border.lazy import pd
-from thermobearing.cyclic import reported
+from thermobearing import reported
+from thermobearing.border.schema import validated
 from thermobearing.cyclic.report import rig_table
-from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather
+from thermobearing.earthquake.answer import (
+    Shown,
+    governing_lines,
+    governing_pier,
+    largest_place,
+    main_results,
+)
+from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather, list_bearing_tables
 from thermobearing.earthquake.figures import EarthquakeFigures
-from thermobearing.earthquake.panels import part_names, select_part
+from thermobearing.earthquake.measures import tested_rows
+from thermobearing.earthquake.motions import given_motions_table
+from thermobearing.earthquake.panels import (
+    MOST_COLUMNS,
+    part_names,
+    select_part,
+)
+from thermobearing.earthquake.properties import (
+    FIRST,
+    bridge_properties,
+    cycle_note,
+    damping_factor,
+    hysteretic_ratios,
+    initial_stiffness_note,
+    line_properties,
+    link_text,
+    periods_table,
+)
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.tables import balance_table, cold_ratios
+from thermobearing.earthquake.tables import structure_balance
+from thermobearing.model.limits import Limits
 from thermobearing.model.options import outdoors
-from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import (
+    counted,
+    degrees,
+    joined,
+    plain,
+    quantity,
+    tidy,
+)
 from thermobearing.report import content
 from thermobearing.report.content import IN_EARTHQUAKES, TESTED_RANGE, input_table
+from thermobearing.report.figures import blank_panel, plot_from_axes
 from thermobearing.report.pieces import (
-    NOT_ASSESSED,
+    EXCEEDED,
     PASSED,
     Check,
     Pieces,
@@ -32,105 +67,52 @@ from thermobearing.report.pieces import (
     ReportFigure,
     Trace,
 )
-from thermobearing.report.words import (
-    change,
-    counted,
-    degrees,
-    joined,
-    number,
-    percent,
-    plain,
-    quantity,
-    tidy,
-)
-from thermobearing.results.base import COMPLETED
-from thermobearing.results.writing import from_attribute
+from thermobearing.results import drawing
+from thermobearing.results.directory import HISTORY, LINKS, MODES_FILE, PROPERTIES
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
+SHOWN_MODES = 10  # of a report; a file has them all
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
     "rayleigh": "Rayleigh, of the structure without its bearings",
     "element": "a dashpot parallel to every spring and hinge",
     "source": "Rayleigh as in Shen (2023), of the structure on its bearings",
+    "source-with-bearings": "Rayleigh as in Eq. 3.3 of Shen (2023), with the stiffness of bearings",
 }
 
 
 def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     """Return the inputs as tables, by name."""
     sources = case.get("sources", {})
-    found = {
+    tables = {
         "structure": structure_table(case["structure"], sources.get(case["structure"]["name"])),
         "motions": given_motions_table(case["motions"], result),
     }
-    for bearing in _list_all_bearings(case):
-        found |= reported.bearing_tables(bearing, sources.get(str(bearing["name"])))
+    for bearing in list_bearing_tables(case):
+        tables |= reported.bearing_tables(bearing, sources.get(str(bearing["name"])))
     if case.get("lines"):
-        found["lines"] = _lines_table(case)
+        tables["lines"] = _lines_table(case)
     climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
-    found["climate"] = input_table("Ambient temperature and duration", climate, otherwise="input")
+    tables["climate"] = input_table("Ambient temperature and duration", climate, otherwise="input")
     if "laboratory" in case:
         lab = {"laboratory": case["laboratory"]}
-        found["laboratory"] = input_table("Laboratory", lab, otherwise="input, or default")
+        tables["laboratory"] = input_table("Laboratory", lab, otherwise="input, or default")
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
-    usual: dict[str, Any] = {}
+        tables["rig"] = rig_table(case["rig"], sources.get(case["rig"].get("name")))
+    # The table marks what differs from the defaults, which are those of the command and climate.
+    defaults: dict[str, Any] = {}
     if case["command"] == "hybrid":
-        usual["method"] = "predictor-corrector"
-    known: dict[str, str] = {}
+        defaults["method"] = "predictor-corrector"
+    default_sources: dict[str, str] = {}
     if in_weather(case):
-        outdoor, known = outdoors()
-        usual |= outdoor
-    found["analysis"] = reported.analysis_table(
-        case["analysis"], EarthquakeAnalysis(**usual), known
+        outdoor, default_sources = outdoors()
+        defaults |= outdoor
+    tables["analysis"] = reported.analysis_table(
+        case["analysis"], EarthquakeAnalysis(**defaults), default_sources
     )
-    return found
-
-
-def _list_all_bearings(case: Case) -> list[Mapping[str, Any]]:
-    """Return the bearings of the analysis and of its lines, each once."""
-    found = {str(one["name"]): one for one in case["bearings"]}
-    for line in case.get("lines", []):
-        if isinstance(line.get("bearing"), Mapping):
-            found.setdefault(str(line["bearing"]["name"]), line["bearing"])
-    return list(found.values())
-
-
-def given_motions_table(
-    motions: Sequence[Mapping[str, Any]], result: EarthquakeResult | None = None
-) -> Table:
-    """Return the motions of a resolved case; with a result their length and peak as run."""
-    rows: list[dict[str, Any]] = []
-    for one in motions:
-        records = [Path(str(one[key])).stem for key in ("name", "across") if one.get(key)]
-        name = str(one.get("label") or "+".join(dict.fromkeys(records)))
-        row = {"motion": name, "motion_factor": float(one.get("factor", 1.0))}
-        row |= {"motion_angle": quantity(one["angle"])} if one.get("angle") else {}
-        if result is not None:
-            names = [str(label) for label in result["motion"].values]
-            if name not in names:  # interrupted before it
-                continue
-            run = names.index(name)
-            row["motion_length_s"] = float(np.nanmax(result["time"].values[run]))
-            row["motion_peak_m_s2"] = float(
-                np.nanmax(np.abs(result["ground_acceleration"].values[run]))
-            )
-        rows.append(row | {"source": _motion_source(one)})
-    note = "" if result is None else "Lengths and peaks as run, after factor and cut."
-    return make_table(pd.DataFrame(rows), None, "Ground motions", note=note)
-
-
-def _motion_source(motion: Mapping[str, Any]) -> str:
-    from thermobearing.motions.library import list_motions
-
-    name = str(motion.get("name", ""))
-    if "acceleration" in motion:
-        return "samples given in Python"
-    if {name, str(motion.get("across", name))} <= set(list_motions()):
-        return "synthetic stand-in fitted to the Level 2 standard spectrum of JRA"
-    files = [Path(str(motion[key])).name for key in ("name", "across") if motion.get(key)]
-    return f"file {' and '.join(files)}" if files else ""
+    return tables
 
 
 def _lines_table(case: Case) -> Table:
@@ -140,32 +122,62 @@ def _lines_table(case: Case) -> Table:
         name = str(bearing["name"]) if bearing else "as of the analysis"
         ambient = line.get("weather") or "as of the analysis"
         ambient = quantity(line["ambient"]) if "ambient" in line else Path(ambient).name
-        rows.append((str(line["line"]), name, ambient))
+        rubber = line.get("state", {})
+        state = " after ".join(map(str, filter(None, (rubber.get("rubber"), rubber.get("after")))))
+        rows.append((str(line["line"]), name, ambient, state or "as of the analysis"))
     columns = [Quantity("Line"), Quantity("Bearing"), Quantity("Ambient temperature")]
-    return Table("Bearing lines with their own settings", columns, rows)
+    if any("state" in line for line in case["lines"]):
+        columns.append(Quantity("Rubber"))
+    # Without a state of any line the rows lose their last cell, "as of the analysis".
+    cells = [row[: len(columns)] for row in rows]
+    return Table("Bearing lines with their own settings", columns, cells)
 
 
 def _question(result: EarthquakeResult, case: Case) -> str:
     structure = case["structure"]
-    about = f" ({text})" if (text := structure.get("description")) else ""
-    bearings = joined((reported.bearing_words(one) for one in case["bearings"]), "or")
+    description = f" ({text})" if (text := structure.get("description")) else ""
+    bearings = _bearings_in_words(result, case)
     motions = list(dict.fromkeys(str(name) for name in result["motion"].values))
-    shown = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
+    motion_names = joined(motions) if len(motions) <= 6 else counted(len(motions), "motion")
     if case.get("weather"):
         climate = f"after the weather of {Path(case['weather']).name}"
     else:
         climate = f"at ambient {degrees(list(dict.fromkeys(result['ambient'].values.tolist())))}"
-    which = "motions" if len(motions) > 1 else "motion"
+    noun = "motions" if len(motions) > 1 else "motion"
     demands = "the displacements and forces of the bearings"
     demands += " and the demand on the piers" if result.has_pier else ""
-    shaking = f"in the ground {which} {shown}, {climate}"
+    shaking = f"in the ground {noun} {motion_names}, {climate}"
     if case["command"] == "hybrid":
         modes = joined(MODES[mode] for mode in dict.fromkeys(result.modes) if mode in MODES)
         return (
-            f"This report gives {demands} in a hybrid test of {structure['name']}{about}, "
+            f"This report gives {demands} in a hybrid test of {structure['name']}{description}, "
             f"{modes}, with a specimen of {bearings} in the loop, {shaking}."
         )
-    return f"This report gives {demands} of {structure['name']}{about} with {bearings}, {shaking}."
+    return (
+        f"This report gives {demands} of {structure['name']}{description} with {bearings}, "
+        f"{shaking}."
+    )
+
+
+def _bearings_in_words(result: EarthquakeResult, case: Case) -> str:
+    """Return the bearings of the analysis, with counts and lines where lines differ."""
+    described = {str(table["name"]): table for table in list_bearing_tables(case)}
+    if not result.line_bearings:
+        return joined((reported.bearing_words(table) for table in case["bearings"]), "or")
+    counts = result.lines.drop_duplicates("line").set_index("line")["count"].astype(int)
+    choices = []
+    for lines in result.line_bearings.values():
+        groups: dict[str, list[str]] = {}
+        for line, bearing in lines.items():
+            groups.setdefault(bearing, []).append(line)
+        choices.append(
+            joined(
+                f"{counts[names].sum()} bearings {reported.bearing_words(described[bearing])} on "
+                f"{'lines' if len(names) > 1 else 'line'} {joined(names)}"
+                for bearing, names in groups.items()
+            )
+        )
+    return joined(choices, "or")
 
 
 def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
@@ -173,36 +185,44 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     kind = str(attrs["damping"])
     damping = f"Viscous damping: {kind}, {DAMPING[kind]}." if kind in DAMPING else ""
     if kind == "none":
-        damping = "Without viscous damping only bearings and hinges dissipate energy."
-    constant = "weather" not in case
-    plan, hinged = result.in_plan, bool(case["structure"].get("hinges"))
-    moves = (
-        "in both horizontal directions, rock and may twist"
-        if plan
-        else ("in one horizontal direction and rock")
-    )
-    found = [
-        f"Bodies are rigid; they move {moves}; foundations rest on "
-        "linear springs. Second-order effects of gravity are not in the model.",
-        "Hinges follow the rules of Takeda with stiffness degradation"
-        + (", each direction on its own." if plan else ".")
-        if hinged
-        else "",
+        damping = "No viscous damping: only bearings and plastic hinges dissipate energy."
+    plan = result.in_plan
+    moves = "in one horizontal direction and rock"
+    if plan:
+        moves = "in both horizontal directions, rock and may twist"
+    hinges = ""
+    if case["structure"].get("hinges"):
+        directions = ", each direction on its own" if plan else ""
+        hinges = f"Plastic hinges lose stiffness as in Takeda's rules{directions}."
+    start = "Each bearing starts at the ambient temperature, which stays constant."
+    if "weather" in case:
+        start = "Bearings start at the temperatures that the weather before the motion leaves."
+    if "initial_state" in case:
+        start = (
+            "The bearing starts as the earlier test left it, with its temperatures and its history."
+        )
+    sentences = [
+        f"Decks, piers and footings are rigid bodies that move {moves}, on linear springs of the "
+        "foundations. P-delta effects are not included.",
+        hinges,
         "All bearings of a line are identical; forces and energies are those of one bearing.",
         damping,
+        _damping_note(result),
         f"Mass: {analysis['mass']}. Time integration: {analysis['method'].replace('-', ' ')}, "
         f"steps of at most {quantity(analysis['dt'])}.",
-        "Every bearing starts at the ambient temperature throughout, which then stays constant."
-        if constant
-        else "Bearings start with the temperatures that result from the weather before the motion.",
+        start,
     ]
-    if "initial_state" in case:
-        found[-1] = (
-            "The bearing starts in the final state of an earlier test, including its history."
-        )
-    found += _laboratory(case)
-    found += reported.model_assumptions(analysis, _list_all_bearings(case), plane=plan)
-    return [text for text in found if text]
+    sentences += _laboratory(case)
+    layered = any(table.get("kind") != "bilinear" for table in list_bearing_tables(case))
+    sentences += [reported.undecided()] if layered and result.bands.empty else []
+    sentences += reported.model_assumptions(analysis, list_bearing_tables(case), plane=plan)
+    return [text for text in sentences if text]
+
+
+def _damping_note(result: EarthquakeResult) -> str:
+    """Return the share of the damping in the input energy, unless it is small or a warning."""
+    note = result.damping_note
+    return tidy(note) if note and note not in result.warnings else ""
 
 
 def _laboratory(case: Case) -> list[str]:
@@ -210,23 +230,25 @@ def _laboratory(case: Case) -> list[str]:
     if not lab:
         return []
     scales = {float(line.get("scale", 1.0)) for line in case["structure"]["bearings"]}
-    found = []
+    sentences = []
     if scales != {1.0}:
         ratios = joined(f"1:{1.0 / scale:.3g}" for scale in sorted(scales))
-        found.append(f"The specimen represents bearings of the structure at a scale of {ratios}.")
+        sentences.append(
+            f"The specimen represents bearings of the structure at a scale of {ratios}."
+        )
     if "pd" in lab["mode"]:
-        found.append(
-            f"Pseudo-dynamic: the actuator moves at {quantity(lab['speed'])}, so that the specimen "
-            "is loaded and cools on a slower time scale."
+        sentences.append(
+            f"The pseudo-dynamic test is slower than the earthquake: the actuator moves at "
+            f"{quantity(lab['speed'])}, and the specimen cools meanwhile."
         )
     if lab.get("specimen"):
-        found.append(
+        sentences.append(
             f"A specimen at {lab['specimen']} took the place of the modelled bearing. Its force "
             "and energy were measured; temperatures and shares of the force were calculated along "
             "the same displacements."
         )
     if lab.get("compensation"):
-        found.append(
+        sentences.append(
             f"Commands are extrapolated by the delay, {quantity(lab['delay'])}, with a polynomial "
             f"of order {lab['compensation']} (Horiuchi et al., 1999)."
         )
@@ -236,10 +258,11 @@ def _laboratory(case: Case) -> list[str]:
         if not (key == "delay" and lab.get("specimen"))  # its own
         and float(str(lab.get(key, "0")).split()[0]) > 0.0
     ]
-    if errors or not lab.get("specimen"):
-        given = joined(errors)
-        found.append(f"Errors of the laboratory: {given}." if errors else "The actuator is ideal.")
-    return found
+    if errors:
+        sentences.append(f"Errors of the laboratory: {joined(errors)}.")
+    elif not lab.get("specimen"):  # a specimen outside has the errors of its own actuator
+        sentences.append("The actuator is ideal.")
+    return sentences
 
 
 COMMANDS = {"bridge": "Earthquake analysis", "hybrid": "Hybrid test"}
@@ -251,204 +274,137 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     case = tomllib.loads(attrs["case"])
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
-    given = any(one.get("tested_range") is not None for one in _list_all_bearings(case))
+    properties, files = _properties(result) if command == "bridge" else ({}, {})
+    states_range = any(table.get("tested_range") is not None for table in list_bearing_tables(case))
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
         _question(result, case),
-        _answer(result),
+        main_results(result),
         judged=result.runs > 0,
         inputs=_input_tables(result, case),
-        tables=result.tables() if result.runs else {},
+        tables={**(result.tables() if result.runs else {}), **properties},
+        files=files,
         figures=_report_figures(result),
         checks=_report_checks(result, case),
-        rate_rows=result.tested_range.to_dict("records"),
+        rate_rows=tested_rows(result),
         lead_rise=float(np.fmax(result.largest_rises()["lead_rise_K"].max(), 0.0)),
         residuals=(
             ()
             if energy is None
             else reported.residual_rows(energy, case["analysis"], measured=outside)
         ),
-        books=balance_table(result) if result.runs else None,
+        books=structure_balance(result) if result.runs else None,
         assumptions=_assumptions(result, case),
-        **content.result_parts(result, str(attrs["case"]), command, range_given=given),
+        **content.result_parts(result, str(attrs["case"]), command, range_given=states_range),
     )
 
 
-def _answer(result: EarthquakeResult) -> list[str]:
-    """Return what governs and the effect of the cold; an early end comes first."""
-    if not result.runs:
-        return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
-    return [*_early_words(result), _governing(result), _cold(result)]
-
-
-def _early_words(result: EarthquakeResult) -> list[str]:
-    """Return a sentence on each failure mode and on missing runs, those of melted lead first."""
-    modes: dict[str, list[str]] = {}
-    for name, outcome in zip(result.run_names, result["outcome"].values, strict=True):
-        if outcome != COMPLETED:
-            modes.setdefault(str(outcome), []).append(name)
-    if result.outcome == INTERRUPTED:
-        modes.setdefault(INTERRUPTED, [])
-    sentences = from_attribute(result.dataset, "sentences")
-    return [
-        reported.early_sentence(
-            "The analysis",
-            f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else "",
-            outcome,
-            str(sentences.get(outcome, "")),
-        )
-        for outcome, names in sorted(modes.items(), key=lambda mode: mode[0] != MELTED)
-    ]
-
-
-def _largest(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
-    """Return the largest value of a column, and its run and line or pier in words."""
-    table = result.table
-    if not table[column].notna().any():
-        return float("nan"), ""
-    place = place_of_largest(table[column])
-    where = f", {_named(part, table[part].iloc[place])}" if part in table else ""
-    return float(table[column].iloc[place]), plain(result.run_names[place] + where)
-
-
-def _named(column: str, name: str) -> str:
-    """Return a line or pier as "line A1"; a name that begins so stands alone."""
-    kind = column.rpartition("_")[2]
-    return name if name.lower().startswith(kind) else f"{kind} {name}"
-
-
-def _governing(result: EarthquakeResult) -> str:
-    """Return the largest strain, force and pier demand, each with its run."""
-    strain, where = _largest(result, "bearing_strain_max", "strain_line")
-    force, pushed = _largest(result, "bearing_force_max_kN", "force_line")
-    which = "a" if len(result.piers) else "the"
-    pier, moved = _largest(result, "pier_displacement_max_mm", "displacement_pier")
-    phrases = [
-        f"the largest shear strain is {percent(strain)} ({where})",
-        f"the largest force of one bearing {number(force)} kN"
-        + (f" ({pushed})" if pushed != where else " (the same run)"),
-    ]
-    if pier == pier:
-        phrases.append(f"{which} pier top moves {number(pier)} mm relative to its base ({moved})")
-    ductility, bent = _largest(result, "pier_ductility", "ductility_pier")
-    hinge = "the hinge that turns most" if len(result.piers) else "its hinge"
-    if ductility == ductility:
-        if ductility > 1.0:
-            phrases.append(f"{hinge} yields, to a ductility of {number(ductility)} ({bent})")
-        else:
-            phrases.append(
-                f"{hinge} does not yield (ductility {number(ductility)} at most, {bent})"
-            )
-    many = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
-    text = f"{many}{joined(phrases)}."
-    return f"{text[:1].upper()}{text[1:]}"
-
-
-def _cold(result: EarthquakeResult) -> str:
-    """Return the effect of the coldest temperature by bearing; heating where there is no cold."""
-    ratios = cold_ratios(result)
-    blind = {str(n) for n in result["bearing"].values if result.dataset.attrs.get(f"bilinear:{n}")}
-    if len(ratios):
-        ratios = ratios[~ratios["bearing"].isin(blind)]
-    if not len(ratios):
-        return _heating(result)
-    coldest, warmest = ratios["ambient_degC"].min(), result.table["ambient_degC"].max()
-    cold = ratios[ratios["ambient_degC"] == coldest]
-    changes = [_cold_ratio(str(name), group) for name, group in cold.groupby("bearing", sort=False)]
-    motions = cold["motion"].nunique()
-    mean = " on average over the motions" if motions > 1 else ""
-    only = f"; {', '.join(sorted(blind))} is temperature-independent" if blind else ""
-    temperatures = f"{degrees([coldest])} compared with {degrees([warmest])}"
-    return f"{temperatures} changes{mean}: {'; '.join(changes)}{only}."
-
-
-def _cold_ratio(name: str, group: "pd.DataFrame") -> str:
-    parts = []
-    for column, what in (
-        ("bearing_force_max_kN", "force"),
-        ("bearing_strain_max", "strain"),
-        ("pier_displacement_max_mm", "pier displacement"),
-    ):
-        values = group[column].dropna()
-        if len(values):
-            parts.append(f"{what} {change(float(values.mean()), 'more', 'less')}")
-    return f"{name}: {joined(parts)}"
-
-
-def _heating(result: EarthquakeResult) -> str:
-    """Return the largest rises of rubber and lead, each with its run and line, as a sentence."""
-    found: dict[str, list[tuple[float, str]]] = {"rubber": [], "lead": []}
-    for run, name in enumerate(result.run_names):
-        for place, rise in result.rises(run).items():
-            found["lead" if place == "lead" else "rubber"].append((rise, name))
-    if result.has_parts:
-        names = np.repeat(result.run_names, len(result.lines) // result.runs)
-        lines = [_named("line", line) for line in result.lines["line"]]
-        where = [f"{run}, {line}" for run, line in zip(names, lines, strict=True)]
-        found = {k: list(zip(result.lines[f"{k}_rise_K"], where, strict=True)) for k in found}
-    warmed = []
-    for what, rises in found.items():
-        if known := [one for one in rises if np.isfinite(one[0])]:
-            rise, where_ = max(known)
-            warmed.append(f"the {what} by up to {rise:.1f} K ({plain(where_)})")
-    if not warmed:
-        return "The bearings of the analysis are temperature-independent."
-    return f"The motions warm {joined(warmed)}."
+def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, bytes]]:
+    """Return the equivalent properties of lines and bridge as tables, and as files."""
+    lines = line_properties(result)
+    if not len(lines):
+        return {}, {}
+    bridges = bridge_properties(result, lines)
+    caption = "Equivalent properties of one bearing of each line at its design displacement"
+    note = (
+        "Third cycle without heating at the ambient temperature, of the bearing as it was run "
+        "(state of the rubber, exposure): upper values at the coldest, lower values at the "
+        "warmest. Q_d, K_d and K_1 are those of the bilinear loop with the same peak "
+        "force and energy."
+    )
+    states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
+    if notes := [
+        f"{row['line_bearing']} at {row['ambient_degC']:g} °C: {cycle_note(row)}"
+        for row in states.to_dict("records")
+        if row["cycle"] == FIRST
+    ]:
+        note = f"{note} Upper values of {'; '.join(notes)}."
+    if assumed := initial_stiffness_note(lines):
+        note = f"{note} {assumed}"
+    several = lines["bearing"].nunique() > 1
+    keys = ["bearing", "line"] if several else ["line"]
+    if (lines["line_bearing"] != lines["bearing"]).any():
+        keys.append("line_bearing")
+    keys += ["count", "ambient_degC"]
+    values = ["design_displacement_mm", "K_eff_kN_mm", "h_eff"]
+    values += ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "K_v_kN_mm"]
+    table = make_table(lines, [*keys, *values], caption, keys=len(keys), note=note, keep_keys=True)
+    factor = damping_factor()
+    source = f"B_L: {factor.source}."
+    if factor.unverified:
+        source = f"B_L*: {factor.source}. *: not checked against the published text."
+    bridge_keys = ["bearing", "ambient_degC"] if several else ["ambient_degC"]
+    bridge_table = make_table(
+        bridges,
+        [*bridge_keys, "effective_period_s", "effective_damping_ratio", "B_L"],
+        "Effective period and damping of the bridge",
+        keys=len(bridge_keys),
+        note=source,
+        keep_keys=True,
+    )
+    files = {
+        PROPERTIES: lines.drop(columns="kind").to_csv(index=False).encode(),
+        LINKS: link_text(lines).encode(),
+    }
+    tables = {"properties": table.merged("line"), "bridge_properties": bridge_table}
+    periods, frame = periods_table(result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES)
+    if len(frame) > SHOWN_MODES:
+        files[MODES_FILE] = frame.to_csv(index=False).encode()
+    return tables | {"periods": periods}, files
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
     if not result.runs:
         return []
-    names = [str(one["name"]) for one in _list_all_bearings(case)]
+    names = [str(table["name"]) for table in list_bearing_tables(case)]
     source = f"{TESTED_RANGE} of the bearing"
-    return _ductilities(result) + reported.result_checks(
-        result, case, IN_EARTHQUAKES, source, names
+    return _ductilities(result, case) + reported.result_checks(
+        result, case, IN_EARTHQUAKES, source, names, tested_rows(result)
     )
 
 
-def _ductilities(result: EarthquakeResult) -> list[Check]:
-    """Return whether each pier stays elastic; of one that yields no limit is in the input."""
-    source = "first yield of the hinge"
-    unlimited = math.nan, "", f"none beyond {source}", NOT_ASSESSED
+def _ductilities(result: EarthquakeResult, case: Case) -> list[Check]:
+    """Return whether each pier stays below the entered ductility, or elastic without one."""
+    limits = validated(Limits, case["limits"], "limits") if case.get("limits") else None
+    entered = None if limits is None else limits.of("pier", "ductility")
+    limit, source = 1.0, "first yield of the hinge"
+    if entered is not None:
+        limit, source = entered.number, entered.describe()
     piers, names = result.piers, result.run_names
     if len(piers) and piers["ductility"].notna().any():
-        groups = [(f"pier {name}", mine) for name, mine in piers.groupby("pier", sort=False)]
-        columns = [(what, mine["ductility"].to_numpy(dtype=float)) for what, mine in groups]
+        groups = [(f"pier {name}", rows) for name, rows in piers.groupby("pier", sort=False)]
+        columns = [(subject, rows["ductility"].to_numpy(dtype=float)) for subject, rows in groups]
     else:
         columns = [("pier", result.table["pier_ductility"].to_numpy(dtype=float))]
-    found = []
-    for what, values in columns:
+    checks = []
+    for subject, values in columns:
         if np.isfinite(values).any():
             place = place_of_largest(values)
-            label = f"ductility of {what} ({plain(names[place])})"
+            run = names[place]
+            if result.line_bearings:  # a pier carries lines of several bearings
+                run = run.removeprefix(f"{result['bearing'].values[place]}, ")
+            label = f"ductility of {subject} ({plain(run)})"
             largest = float(values[place])
-            judged = (1.0, "", source, PASSED) if largest <= 1.0 else unlimited
-            found.append(Check(label, largest, *judged))
-    return found
+            verdict = PASSED if largest <= limit else EXCEEDED
+            checks.append(Check(label, largest, limit, "", source, verdict))
+    return checks
 
 
-CAPTIONS = {  # in this order
-    "peaks": "Peaks of every run against the ambient temperature.",
-    "loops": "Force of one bearing and its shear strain. Shaded: outside the calibration range.",
-    "strain": "Shear strain of one bearing in the strong part of each motion; dots are peaks.",
-    "pier": "Displacement of the pier top relative to its base in the strong part of each motion.",
-    "hinge": "Moment against rotation of the pier base; dashed lines: yield moment.",
-    "deck": "Absolute acceleration of the deck.",
-    "pier_acceleration": "Absolute acceleration of the pier top.",
-    "temperature": "Temperature rise of the rubber layers and of the lead since the start.",
-    "energy": "Energy dissipated by one bearing.",
-    "parts": "Every bearing {} side by side.",
-    "largest_loops": "The largest loop of each run, with all bearings in one diagram.",
-    "modes": "Real time over pseudo-dynamic: loops of the specimen.",
-    "profiles": "Temperature through the height of the bearings.",
-    "shares": "Shares of rubber, lead and rate-dependent branch in the force of the largest loop.",
-    "speed": "Loading speed of the specimen on its own clock.",
-    "orbit": "Paths of the displacement and of the force of one bearing in plan.",
-    "components": "Peaks with two components of the ground motion over those with one at a time.",
-}
 ALONG = {"x": "along the bridge", "y": "across the bridge"}
-OF_ALL = ("peaks", "parts", "deck")  # figures of the structure
+OF_LINES, OF_PIERS = ("loops", "strain"), ("pier", "hinge")  # figures of what governs
+BY_MOTION = (  # figures with a column for each motion
+    *OF_LINES,
+    *OF_PIERS,
+    "deck",
+    "pier_acceleration",
+    "temperature",
+    "energy",
+    "largest_loops",
+    "orbit",
+)
+MOST_NAMES = 6  # of motions in a caption
+OF_ALL = ("peaks", "parts", "deck", "motion_spectra")  # figures of the structure
 LARGEST = {  # figure: column of the table, words for those who do not see the figure
     "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
     "strain": ("bearing_strain_max", "largest shear strain {:.0%}"),
@@ -460,31 +416,72 @@ LARGEST = {  # figure: column of the table, words for those who do not see the f
 
 
 def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
-    held = result.plot.draw_all() if result.runs else {}
-    shown, views = part_names(result.dataset), {"": result.resultant}
-    views |= {f"_{way}": result.sel(direction=way) for way in result.directions}
-    plots = {end: _interactive_plots(view) for end, view in views.items()}
-    found = {}
-    for name, about in CAPTIONS.items():
-        about = about.format(" and every ".join(result.part_kinds))
-        about += f" Shown: {shown}." if shown and name not in OF_ALL else ""
-        for end in views:
-            if (own := name + end) in held:
-                text = f"{about} Direction {end[1:]}, {ALONG[end[1:]]}." if end else about
-                alt = text + _largest_drawn(views[end], name)
-                plot = plots[end].get(name)
-                found[own] = ReportFigure(text, draw=held[own], alt=alt, plot=plot)
-    return found
+    drawings = result.plot.draw_all() if result.runs else {}
+    # Figures of the resultant, or of the only direction, have plain names; "loops_x" is of x.
+    views = {"": result.resultant}
+    views |= {direction: result.sel(direction=direction) for direction in result.directions}
+    plots = {direction: _Plots(view) for direction, view in views.items()}
+    shown: dict[str, list[Shown]] = dict.fromkeys(OF_LINES, governing_lines(result))
+    pier = governing_pier(result)
+    shown |= dict.fromkeys(OF_PIERS, [pier] if pier else [])
+    figures = {}
+    for name, caption in content.figure_captions("earthquake").items():
+        caption = caption.format(" and every ".join(result.part_kinds)) + _without(result, name)
+        for direction, view in views.items():
+            figure_name = f"{name}_{direction}" if direction else name
+            if figure_name not in drawings:
+                continue
+            along = f" Direction {direction}, {ALONG[direction]}." if direction else ""
+            for number, item in enumerate(shown.get(name, []), 1):
+                part = "line" if name in OF_LINES else "pier"
+                text = f"{caption} {item.caption(part)}{along}"
+                figures[f"{figure_name}_{number}" if number > 1 else figure_name] = ReportFigure(
+                    text,
+                    draw=partial(getattr(view.plot, name), **{part: item.name}),
+                    alt=text + _largest_drawn(view, name, item.name),
+                    plot=plots[direction].convert(name, **{part: item.name}),
+                )
+            if figure_name not in figures:
+                text = f"{caption}{_reported_parts(result, name)}{along}"
+                figures[figure_name] = ReportFigure(
+                    text,
+                    draw=drawings[figure_name],
+                    alt=text + _largest_drawn(view, name),
+                    plot=plots[direction].convert(name),
+                )
+    return figures
 
 
-def _largest_drawn(result: EarthquakeResult, name: str) -> str:
-    """Return the largest value that a figure shows, and its run, as a sentence."""
+def _reported_parts(result: EarthquakeResult, name: str) -> str:
+    """Return which line or pier the histories of a figure are of, and why, as a sentence."""
+    if name in OF_ALL:
+        return ""
+    part = "pier" if name in (*OF_PIERS, "pier_acceleration") else "line"
+    names = part_names(result.dataset, [part])
+    return f" Shown: {names}, chosen by the table report of the structure." if names else ""
+
+
+def _without(result: EarthquakeResult, name: str) -> str:
+    """Return which motions a figure leaves out, and where they are, as a sentence."""
+    motions = list(dict.fromkeys(str(motion) for motion in result["motion"].values))
+    missing = motions[MOST_COLUMNS:]
+    if not missing or name not in BY_MOTION:
+        return ""
+    names = joined(missing) if len(missing) <= MOST_NAMES else counted(len(missing), "motion")
+    return f" Not shown: {names} (the histories are in {HISTORY})."
+
+
+def _largest_drawn(result: EarthquakeResult, name: str, shown: str | None = None) -> str:
+    """Return the largest value that a figure of a line or pier shows, and its run, as a sentence.
+
+    By default that of the reported line or pier.
+    """
     if name not in LARGEST:
         return ""
     view, (column, words) = result.dataset, LARGEST[name]
-    for part in ("line", "pier") if result.has_parts else ():
-        view = select_part(view, part, None)
-    value, run = _largest(EarthquakeResult(view), column)
+    for part, names in (("line", OF_LINES), ("pier", OF_PIERS)) if result.has_parts else ():
+        view = select_part(view, part, shown if name in names else None)
+    value, run = largest_place(EarthquakeResult(view), column)
     text = words.format(value).replace("%", " %")
     return f" {text[:1].upper()}{text[1:]} ({run})." if run else ""
 
@@ -492,27 +489,9 @@ def _largest_drawn(result: EarthquakeResult, name: str) -> str:
 MOST_CHOICES = 40  # entries of a menu
 MOMENTS = 24  # places of a slider
 UNTESTED = "#aa3333"
-PLACES = (("rubber", "inner layer", "line"), ("lead", "lead", "dashed"))
-
-
-def _interactive_plots(result: EarthquakeResult) -> dict[str, Plot]:
-    """Return plots by the name of the figure that they replace in an HTML page."""
-    if not result.runs or (result.directions and not result.in_plan):
-        return {}
-    plots = _Plots(result)
-    force, strain = "force of one bearing [kN]", "shear strain [%]"
-    pier, deck = "pier top relative to its base [mm]", "acceleration of the deck [m/s²]"
-    bent = ("rotation [mrad]", "moment [kN m]")
-    found = {
-        "loops": plots._curves("bearing_strain", "bearing_force", (strain, force), 100.0, "x"),
-        "strain": plots._curves("time", "bearing_strain", ("time [s]", strain), 100.0, "y"),
-        "pier": plots._curves("time", "pier_displacement", ("time [s]", pier)),
-        "deck": plots._curves("time", "deck_acceleration", ("time [s]", deck)),
-        "hinge": plots._curves("pier_rotation", "pier_moment", bent, 1e3),
-        "temperature": plots._temperatures(),
-        "profiles": plots._through_height(),
-    }
-    return {name: plot for name, plot in found.items() if plot is not None}
+PLACES = (("rubber", "inner layer", "-"), ("lead", "lead", "--"))
+INTERACTIVE = ("loops", "strain", "pier", "deck", "hinge")  # as drawn, but for all of the motion
+STRAIN_AXES = {"loops": "x", "strain": "y"}
 
 
 class _Plots(EarthquakeFigures):
@@ -527,86 +506,72 @@ class _Plots(EarthquakeFigures):
             if name in self.groups or len(self.groups) < MOST_CHOICES:
                 self.groups.setdefault(name, []).append(run)
 
+    def convert(self, name: str, **part: str) -> Plot | None:
+        """Return a figure as a plot, of a line or pier; None where it has none or no data."""
+        if name == "profiles":
+            return self._through_height()
+        if name not in (*INTERACTIVE, "temperature"):
+            return None
+        panels = {}
+        for group, runs in self.groups.items():
+            view = copy.copy(self)
+            view._table = self._table.loc[runs]
+            panels[group] = ax = blank_panel()
+            with drawing.every_point():
+                getattr(view, "_inner" if name == "temperature" else name)(ax, **part)
+            if name in STRAIN_AXES and ax.lines:
+                line = view._select("line", part.get("line"))
+                end = 100.0 * line._result.tested_to(runs, "strain")
+                _mark_tested(ax, end, STRAIN_AXES[name])
+        plot = plot_from_axes(panels, self._handles())
+        return plot if plot.choices else None
+
     def _label(self, run: int) -> str:
         ambient = degrees([float(self._table["ambient_degC"][run])])
         return f"{ambient}, {self._result.modes[run]}" if len(self._run_modes) > 1 else ambient
 
-    def _plot(
-        self,
-        titles: tuple[str, str],
-        make: Callable[[int], list[Trace]],
-        tested: Literal["x", "y"] | None = None,
-        **slider: Any,
-    ) -> Plot | None:
-        """Return the traces of every run, with lines at the tested strain on the axis `tested`."""
-        choices = {}
-        for name, runs in self.groups.items():
-            traces = [trace for run in runs for trace in make(run)]
-            end = 100.0 * self._result.tested_to(runs, "strain")
-            if traces and tested and np.isfinite(end):
-                across = [trace.y if tested == "x" else trace.x for trace in traces]
-                low, high = (float(f([f(v) for v in across])) for f in (np.nanmin, np.nanmax))
-                at = np.array([end, end, np.nan, -end, -end])
-                other = np.array([low, high, np.nan, low, high])
-                points = (at, other) if tested == "x" else (other, at)
-                traces.append(Trace(f"tested to {end:g} %", *points, UNTESTED, "dashed"))
-            if traces:
-                choices[name] = traces
-        return Plot(*titles, choices, **slider) if choices else None
-
-    def _curves(
-        self,
-        x: str,
-        y: str,
-        titles: tuple[str, str],
-        factor: float = 1.0,
-        tested: Literal["x", "y"] | None = None,
-    ) -> Plot | None:
-        """Return a history y over time, or over another history x; `factor` is of the latter."""
-
-        def _make(run: int) -> list[Trace]:
-            a, b = self._values(x, run), self._values(y, run)
-            a, b = (a, factor * b) if x == "time" else (factor * a, b)
-            if not len(a) or not np.isfinite([a, b]).all():
-                return []
-            look = "dashed" if self._line(run) == "--" else "line"
-            return [Trace(self._label(run), a, b, self._colour(run), look)]
-
-        return self._plot(titles, _make, tested)
-
-    def _temperatures(self) -> Plot | None:
-        """Return the innermost rubber layer (full) and the lead (dashed) of every run."""
-
-        def _make(run: int) -> list[Trace]:
+    def _inner(self, ax: Axes) -> None:
+        """Draw the innermost rubber layer (full) and the lead (dashed) of every run."""
+        for run in self._table.index:
             places, time = self._result.places(run), self._values("time", run)
-            found = []
-            for what, place, look in PLACES:
+            for material, place, line in PLACES:
                 if len(places[place]) and np.isfinite(places[place]).all():
-                    label = f"{what}, {self._label(run)}"
-                    found.append(Trace(label, time, places[place], self._colour(run), look))
-            return found
-
-        return self._plot(("time [s]", "temperature [°C]"), _make)
+                    name = f"{material}, {self._label(run)}"
+                    ax.plot(time, places[place], line, color=self._colour(run), label=name)
+        drawing.name_axes(ax, "time [s]", "temperature [°C]")
 
     def _through_height(self) -> Plot | None:
         """Return temperatures through the height, moved through the motion by a slider."""
         if "temperature" not in self._data:
             return None
         moments = np.linspace(0.0, float(np.nanmax(self._data["time"].values)), MOMENTS)
-
-        def _make(run: int) -> list[Trace]:
-            depth = self._data["depth"].values[run]
-            own = np.isfinite(depth)
-            if not own.any():
-                return []
-            time = self._values("time", run)
-            at = np.searchsorted(time, moments).clip(0, len(time) - 1)
-            frames = self._data["temperature"].values[run][at][:, own]
-            level = -depth[own]
-            y = np.tile(level, (len(moments), 1))
-            look = (self._colour(run), "line with points")
-            return [Trace(self._label(run), frames[0], level, *look, y, frames)]
-
+        choices: dict[str, list[Trace]] = {}
+        for name, runs in self.groups.items():
+            for run in runs:
+                depth = self._data["depth"].values[run]
+                in_stack = np.isfinite(depth)
+                if not in_stack.any():
+                    continue
+                time = self._values("time", run)
+                steps = np.searchsorted(time, moments).clip(0, len(time) - 1)
+                frames = self._data["temperature"].values[run][steps][:, in_stack]
+                level = -depth[in_stack]
+                levels = np.tile(level, (len(moments), 1))
+                look = self._colour(run), "line with points"
+                trace = Trace(self._label(run), frames[0], level, *look, levels, frames)
+                choices.setdefault(name, []).append(trace)
+        if not choices:
+            return None
         titles = "temperature [°C]", "level relative to the upper face [mm]"
-        steps = [f"{moment:.1f} s" for moment in moments]
-        return self._plot(titles, _make, slider=steps, slider_title="time")
+        entries = [f"{moment:.1f} s" for moment in moments]
+        return Plot(*titles, choices, slider=entries, slider_title="time")
+
+
+def _mark_tested(ax: Axes, end: float, axis: str) -> None:
+    """Draw lines at the tested strain [%] to either side, as long as the data, where exceeded."""
+    if np.isfinite(end):
+        low, high = ax.dataLim.intervaly if axis == "x" else ax.dataLim.intervalx
+        # Two lines in one, which NaN separates.
+        limits, extent = [end, end, np.nan, -end, -end], [low, high, np.nan, low, high]
+        points = (limits, extent) if axis == "x" else (extent, limits)
+        ax.plot(*points, "--", color=UNTESTED, label=f"tested to {end:g} %")

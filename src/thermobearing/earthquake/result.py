@@ -1,71 +1,54 @@
 """The result of an analysis of earthquakes: histories, peaks, energy balances, files."""
 
 import re
+import tomllib
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from thermobearing.bearing.undecided import band_sentences
+from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import LARGEST_STRAIN
-from thermobearing.earthquake import measures, tables
-from thermobearing.earthquake.measures import DIRECTION, farthest
+from thermobearing.earthquake import earlier, measures, tables
+from thermobearing.earthquake.measures import DIRECTION, signed_peak
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import joined
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.metrics import LEAST_ENERGY
-from thermobearing.results.ranges import largest_tested, limits_passed, rate_note
+from thermobearing.results.ranges import limits_passed, rate_note
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import without_rounding, write_csv, write_dataset
 from thermobearing.structure.model import GROUND
 
-# Of the input. In the default analysis, bearings of runs below it move 13 to 19 % farther without
-# viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
-# the bearing.
-LARGEST_DAMPING_SHARE = 0.25
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
+STILL = 1e-9  # of the largest strain: what moves by less only rounds
 STRAIN = "bearing_strain_max"  # column of the table of runs
 SHOWN_MODES = 8  # natural periods on the console
 COMPONENTS = "components"  # attribute of a dataset: rows that compare two components with one
+BANDS = "bands"  # likewise: what tests do not decide
+BANDED_WORDS = {  # in sentences
+    "bearing_strain_max": "displacement",
+    "bearing_force_max_kN": "force",
+    "bearing_energy_kN_mm": "energy",
+    "pier_displacement_max_mm": "pier displacement",
+}
 LABELS = ("bearing", "motion", "ambient", "mode", DIRECTION)  # of a run
 RUN = dict(zip(LABELS, measures.KEYS, strict=True))
-HISTORY = {  # columns of a history: name in the dataset
-    "time_s": "time",
-    "ground_m_s2": "ground_acceleration",
-    "displacement_mm": "bearing_displacement",
-    "strain": "bearing_strain",
-    "force_kN": "bearing_force",
-    "rubber_force_kN": "rubber_force",
-    "lead_force_kN": "lead_force",
-    "viscous_force_kN": "viscous_force",
-    "energy_kN_mm": "bearing_energy",
-    "pier_displacement_mm": "pier_displacement",
-    "pier_rotation_rad": "pier_rotation",
-    "pier_moment_kN_m": "pier_moment",
-    "pier_top_acceleration_m_s2": "pier_top_acceleration",
-    "deck_displacement_mm": "deck_displacement",
-    "deck_acceleration_m_s2": "deck_acceleration",
-    "lead_degC": "lead_temperature",
-}
-PART_HISTORIES = {  # of lines and piers: dimension, column of history.csv behind the name
-    "line_displacement": ("line", "displacement_mm"),
-    "line_force": ("line", "force_kN"),
-    "pier_part_displacement": ("pier_part", "displacement_mm"),
-    "pier_part_rotation": ("pier_part", "rotation_rad"),
-    "pier_part_moment": ("pier_part", "moment_kN_m"),
-}
-SCALARS = ("time_s", "energy_kN_mm")  # columns of a history that are no vectors, with temperatures
 UNIT = re.compile(r"((?:_mm|_kN|_m_s2|_kN_m|_rad)?)$")  # at the end of the name of a column
 
 
+@checked
 class EarthquakeResult(DatasetResult):
     """Runs of one analysis: every combination of bearing, motion, ambient temperature and mode.
 
@@ -112,10 +95,13 @@ class EarthquakeResult(DatasetResult):
     @property
     def headline(self) -> str:
         """Return the structure, the number of runs and the outcome in a line."""
-        counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
+        bearings, motions, temperatures = (
+            len(set(self.dataset[name].values.tolist()))
+            for name in ("bearing", "motion", "ambient")
+        )
         return (
             f"Earthquake analysis of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
-            f"{counts[0]}, motions {counts[1]}, temperatures {counts[2]}), {self.outcome}"
+            f"{bearings}, motions {motions}, temperatures {temperatures}), {self.outcome}"
         )
 
     def sel(self, **chosen: Any) -> "EarthquakeResult":
@@ -147,8 +133,10 @@ class EarthquakeResult(DatasetResult):
             data = data.isel({DIRECTION: place}, drop=True).assign_attrs(direction)
         elif DIRECTION in chosen:
             end = f"@{chosen[DIRECTION]}"  # of attributes of a direction that is not the first
-            own = {k.removesuffix(end): v for k, v in data.attrs.items() if k.endswith(end)}
-            data = data.assign_attrs(own | {DIRECTION: chosen[DIRECTION]})
+            direction_attributes = {
+                k.removesuffix(end): v for k, v in data.attrs.items() if k.endswith(end)
+            }
+            data = data.assign_attrs(direction_attributes | {DIRECTION: chosen[DIRECTION]})
         labels = {name: data[name].values for name in LABELS if name in data.coords}
         runs = chosen_runs(labels, chosen) if chosen else range(self.runs)
         return EarthquakeResult(selected(data, "run", list(runs), self.run_names))
@@ -169,8 +157,10 @@ class EarthquakeResult(DatasetResult):
         >>> found.to_dataset()["bearing_force_max"].dims
         ('bearing', 'motion', 'ambient')
         """
-        both = len(set(self.modes)) > 1
-        return gridded(self.dataset, [name for name in self._labels if name != "mode" or both])
+        has_both_modes = len(set(self.modes)) > 1
+        return gridded(
+            self.dataset, [name for name in self._labels if name != "mode" or has_both_modes]
+        )
 
     @property
     def runs(self) -> int:
@@ -192,6 +182,15 @@ class EarthquakeResult(DatasetResult):
         return self._rows(COMPONENTS)
 
     @property
+    def bands(self) -> "pd.DataFrame":
+        """What tests do not decide, if it was analysed: how much it changes peaks and energy.
+
+        One row per bearing, ambient temperature, `undecided` ("rate", "small loops") and quantity,
+        with the `lowest` and `highest` relative change over the motions.
+        """
+        return self._rows(BANDS)
+
+    @property
     def in_plan(self) -> bool:
         """Whether two components of the ground motion act together: vectors have directions."""
         return DIRECTION in self.dataset.dims
@@ -203,12 +202,25 @@ class EarthquakeResult(DatasetResult):
         if DIRECTION in data.attrs or DIRECTION not in data.coords:
             return []
         names = data[DIRECTION].values.tolist()
-        return list(dict.fromkeys(name for name in names if name != measures.DIRECTIONS[-1]))
+        return list(dict.fromkeys(name for name in names if name != measures.RESULTANT))
+
+    def moves_along(self, direction: str) -> bool:
+        """Return whether bearings move in a direction of a structure in plan by more than rounding.
+
+        With one component of the ground motion a symmetric structure does not.
+        """
+        if not self.in_plan:
+            return True
+        along, resultant = (
+            float(np.nanmax(self.sel(direction=name).table[STRAIN], initial=0.0))
+            for name in (direction, measures.RESULTANT)
+        )
+        return along > STILL * resultant
 
     @property
     def resultant(self) -> "EarthquakeResult":
         """The result with the resultants of all vectors; without a plan the result itself."""
-        return self.sel(direction=measures.DIRECTIONS[-1]) if self.in_plan else self
+        return self.sel(direction=measures.RESULTANT) if self.in_plan else self
 
     @property
     def _labels(self) -> list[str]:
@@ -235,9 +247,8 @@ class EarthquakeResult(DatasetResult):
     @property
     def run_names(self) -> list[str]:
         """Name of each run in sentences and tables."""
-        bearing, motion, *others = [self.dataset[name].values.tolist() for name in self._labels]
-        labels = zip(bearing, motion, *others, strict=True)
-        return [run_name(b, m, ambient, *more) for b, m, ambient, *more in labels]
+        columns = [self.dataset[name].values.tolist() for name in self._labels]
+        return [measures.run_name(*labels) for labels in zip(*columns, strict=True)]
 
     @property
     def table(self) -> "pd.DataFrame":
@@ -268,21 +279,23 @@ class EarthquakeResult(DatasetResult):
         for name, (part, peak) in measures.PLACES.items() if self.has_parts else ():
             if part == "pier_part" and not self.has_pier:
                 continue
+            # NaN is a part without the quantity, such as a pier without a hinge.
             sizes = np.abs(data[peak].values)
             names = data[part].values[places_of_largest(sizes)]
             frame[name] = np.where(np.isnan(sizes).all(axis=1), "", names)
-        same = [name for name in measures.KEYS if name in frame and name != "ambient_degC"]
+        # Sorted from cold to warm, the last run of each group is the warmest.
+        group_keys = [name for name in measures.KEYS if name in frame and name != "ambient_degC"]
         sorted_ = frame.sort_values("ambient_degC", kind="stable")
-        warmest = sorted_.groupby(same, sort=False)["bearing_energy_kN_mm"].transform("last")
+        warmest = sorted_.groupby(group_keys, sort=False)["bearing_energy_kN_mm"].transform("last")
         frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
         energy = self.energy
-        given = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
-        frame["damping_of_input"] = energy["damping_kN_mm"] / given
+        input_energy = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
+        frame["damping_of_input"] = energy["damping_kN_mm"] / input_energy
         for name in measures.LOOP:
             frame[name] = data[quantity(name).variable].values
         if len(self.rig):
             frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
-        frame["beyond_tested"] = limits_passed(self.tested_range.to_dict("records"), self.run_names)
+        frame["beyond_tested"] = measures.beyond_tested(self)
         return frame
 
     @property
@@ -317,17 +330,50 @@ class EarthquakeResult(DatasetResult):
         return self._parts("line", measures.LINES)
 
     @property
+    def axial(self) -> "pd.DataFrame":
+        """One row per run and line whose axial forces act: shares of the critical load, tension."""
+        return self._rows("axial")
+
+    @cached_property
+    def line_bearings(self) -> dict[str, dict[str, str]]:
+        """The bearing of each line, by the bearing of the analysis; empty where all have it."""
+        lines = self.lines
+        if not len(lines) or (lines["line_bearing"] == lines["bearing"]).all():
+            return {}
+        pairs = lines.drop_duplicates(["bearing", "line"])
+        return {
+            str(bearing): dict(zip(group["line"], group["line_bearing"], strict=True))
+            for bearing, group in pairs.groupby("bearing", sort=False)
+        }
+
+    @cached_property
+    def bearing_labels(self) -> dict[str, str]:
+        """Names of the bearings of the analysis, each with those of lines that have another.
+
+        "pier-lead; A1 and A2: abut-hdr" where the lines A1 and A2 have the bearing abut-hdr.
+        """
+        labels = {str(name): str(name) for name in self.dataset["bearing"].values}
+        for name, bearings in self.line_bearings.items():
+            lines_by_bearing: dict[str, list[str]] = {}
+            for line, bearing in bearings.items():
+                if bearing != name:
+                    lines_by_bearing.setdefault(bearing, []).append(line)
+            parts = [f"{joined(lines)}: {bearing}" for bearing, lines in lines_by_bearing.items()]
+            labels[name] = "; ".join([name, *parts])
+        return labels
+
+    @property
     def piers(self) -> "pd.DataFrame":
         """One row per run and pier: displacement, ductility of its hinge, moment; likewise."""
         return self._parts("pier_part", measures.PIERS) if self.has_pier else pd.DataFrame()
 
-    def by_direction(self, name: str = "table") -> "pd.DataFrame":
+    def by_direction(self, name: Literal["table", "lines", "piers"] = "table") -> "pd.DataFrame":
         """Return a table with a row for each direction and the resultant of a run, line or pier.
 
         Parameters
         ----------
-        name : str
-            "table", "lines" or "piers". Without two components of the ground motion it is the
+        name : {"table", "lines", "piers"}
+            Without two components of the ground motion it is the
             table itself.
 
         Returns
@@ -359,31 +405,36 @@ class EarthquakeResult(DatasetResult):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        said, energy = super().warnings, self.energy
+        messages, energy = super().warnings, self.energy
         if "actuator_kN_mm" in energy:
             ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
             worst = float(ratios.iloc[place_of_largest(ratios.abs())]) if len(ratios) else 0.0
             if abs(worst) > LARGEST_ACTUATOR_SHARE:
                 does, damped = ("take", "more") if worst > 0.0 else ("feed", "less")
-                said.append(
+                messages.append(
                     f"delay and force error of the actuator {does} up to {abs(worst):.0%} of the "
-                    f"input energy: the structure is {damped} damped than with an ideal actuator"
+                    f"input energy, so that the structure is damped {damped} than it should be"
                 )
-        shares = self.table["damping_of_input"].to_numpy()
-        much, kind = shares > LARGEST_DAMPING_SHARE, self.dataset.attrs["damping"]
-        if much.any():
-            said.append(
-                f"viscous damping ({kind}) takes more than {LARGEST_DAMPING_SHARE:.0%} of the "
-                f"input energy in {much.sum()} of {len(shares)} runs, at most "
-                f"{shares.max():.0%}: there the results depend on the assumed damping ratios "
-                'as much as on the bearings; compare with damping = "none"'
-            )
-        return said
+        # The damping of the structure is an assumption of the report; one that was chosen for this
+        # analysis is a decision of the reader, whom a warning reaches.
+        chosen = tomllib.loads(str(self.dataset.attrs["case"]))["analysis"].get("damping")
+        if chosen and (text := self.damping_note):
+            messages.append(text)
+        return messages
+
+    @property
+    def damping_note(self) -> str:
+        """What runs owe to viscous damping, as a sentence; empty where it takes little.
+
+        A warning where the kind of damping was chosen for the analysis. Otherwise it is that of the
+        structure, and reports have the sentence among their assumptions.
+        """
+        shares = self.table["damping_of_input"].to_numpy(dtype=float)
+        return measures.damping_sentence(shares, str(self.dataset.attrs["damping"]))
 
     def tested_to(self, runs: Sequence[int], limit: str) -> float:
-        """Return the largest tested value of a quantity that one of some runs exceeds; or inf."""
-        rows, names = self.tested_range.to_dict("records"), self.run_names
-        return min((largest_tested(rows, names[run], limit) for run in runs), default=np.inf)
+        """Return the largest tested value that some runs exceed on the line shown; or infinity."""
+        return measures.tested_to(self, runs, limit)
 
     @property
     def energy(self) -> "pd.DataFrame":
@@ -400,9 +451,10 @@ class EarthquakeResult(DatasetResult):
     @cached_property
     def _energy(self) -> "pd.DataFrame":
         data = self.dataset
-        known = [name for name in measures.STRUCTURE if f"energy_{name}" in data]
-        frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in known})
-        names = [f"energy_{name}" for name in known] + [f"heat_{name}" for name in measures.BEARING]
+        energies = [name for name in measures.STRUCTURE if f"energy_{name}" in data]
+        frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in energies})
+        names = [f"energy_{name}" for name in energies]
+        names += [f"heat_{name}" for name in measures.BEARING]
         residuals = measures.compute_residuals({name: data[name].values for name in names})
         frame["structure_residual"] = residuals.pop("structure_residual")
         for name in measures.BEARING:
@@ -425,11 +477,14 @@ class EarthquakeResult(DatasetResult):
         -------
         pandas.DataFrame
         """
+        self._check_run(run, "run")
         if self.in_plan:
             return self._plan_history(run)
         data = self.dataset.isel(run=run)
         count = int(np.isfinite(data["time"].values).sum())
-        frame = pd.DataFrame({name: data[key].values[:count] for name, key in HISTORY.items()})
+        frame = pd.DataFrame(
+            {name: data[key].values[:count] for name, key in measures.HISTORY.items()}
+        )
         if not self.has_pier:
             frame = frame.drop(columns=[n for n in frame if str(n).startswith("pier_")])
         absolute, ground = frame["deck_acceleration_m_s2"], frame["ground_m_s2"]
@@ -438,7 +493,7 @@ class EarthquakeResult(DatasetResult):
         for k, body in enumerate(data["body"].values):
             if str(body) not in {str(data.attrs[part]) for part in ("deck", "pier")}:
                 frame[f"{body}_acceleration_m_s2"] = data["body_acceleration"].values[:count, k]
-        for name, (dimension, column) in PART_HISTORIES.items() if self.has_parts else ():
+        for name, (dimension, column) in measures.PART_HISTORIES.items() if self.has_parts else ():
             for k, part in enumerate(data[dimension].values):
                 values = data[name].values[:count, k]
                 if np.isfinite(values).any() and part != GROUND:
@@ -449,14 +504,15 @@ class EarthquakeResult(DatasetResult):
 
     def _plan_history(self, run: int) -> "pd.DataFrame":
         """Return the history of a run with a column for each component of a vector."""
-        each = {name: self.sel(direction=name).history(run) for name in self.directions}
-        first = next(iter(each.values()))
+        frames = {name: self.sel(direction=name).history(run) for name in self.directions}
+        first = next(iter(frames.values()))
         columns = {}
         for name in map(str, first):
-            if name in SCALARS or name.endswith("_degC"):
+            if name in measures.SCALARS or name.endswith("_degC"):
                 columns[name] = first[name]
                 continue
-            for direction, frame in each.items():
+            # "force_kN" becomes "force_x_kN".
+            for direction, frame in frames.items():
                 columns[UNIT.sub(rf"_{direction}\1", name, count=1)] = frame[name]
         return pd.DataFrame(columns)
 
@@ -465,9 +521,12 @@ class EarthquakeResult(DatasetResult):
 
         One value a kept step; NaN where the bearing has no such thing.
         """
+        self._check_run(run, "run")
         data = self.dataset.isel(run=run)
         kept = np.isfinite(data["time"].values)
         rubber = data["rubber_temperature"].values[kept].astype(float)
+        # Runs are padded to the layers of the bearing that has most. Half a stack ends with the
+        # innermost layer; a whole one has it in the middle.
         layers = int(np.isfinite(rubber[0]).sum())
         half = bool(self.dataset.attrs.get("half_stack", 1))
         none = np.full(len(rubber), np.nan)
@@ -479,30 +538,36 @@ class EarthquakeResult(DatasetResult):
 
     def rises(self, run: int) -> dict[str, float]:
         """Return the largest rise of each of `places` over the start [K]; NaN without it."""
-        found = {}
+        rises = {}
         for place, values in self.places(run).items():
-            known = np.isfinite(values).all()
-            found[place.replace(" ", "_")] = float((values - values[0]).max()) if known else np.nan
-        return found
+            is_complete = np.isfinite(values).all()
+            rise = float((values - values[0]).max()) if is_complete else np.nan
+            rises[place.replace(" ", "_")] = rise
+        return rises
 
     def hottest(self, run: int) -> dict[str, float]:
         """Return the highest temperature of rubber layers and lead in any line; NaN without."""
+        self._check_run(run, "run")
         data = self.dataset
         if self.has_parts:
             peaks = {name: data[f"line_{name}_temperature_max"][run] for name in ("rubber", "lead")}
             return {name: float(values.max()) for name, values in peaks.items()}
-        own = {name: data[f"{name}_temperature"].values[run] for name in ("rubber", "lead")}
-        known = {name: values[np.isfinite(values)] for name, values in own.items()}
-        return {name: float(v.max()) if len(v) else np.nan for name, v in known.items()}
+        temperatures = {
+            name: data[f"{name}_temperature"].values[run] for name in ("rubber", "lead")
+        }
+        finite = {name: values[np.isfinite(values)] for name, values in temperatures.items()}
+        return {
+            name: float(values.max()) if len(values) else np.nan for name, values in finite.items()
+        }
 
     def largest_rises(self) -> "pd.DataFrame":
         """Return the largest rise of rubber and lead in any line of each run [K]; NaN without."""
         names = {name: f"{name}_rise_K" for name in ("rubber", "lead")}
         if self.has_parts:
             of_lines = {n: self.dataset[f"line_{n}_rise_max"].values for n in names}
-            return pd.DataFrame({names[n]: farthest(values) for n, values in of_lines.items()})
+            return pd.DataFrame({names[n]: signed_peak(values) for n, values in of_lines.items()})
         rises = [self.rises(run) for run in range(self.runs)]
-        rubber = [max(one["outer_layer"], one["inner_layer"]) for one in rises]
+        rubber = [max(rise["outer_layer"], rise["inner_layer"]) for rise in rises]
         return pd.DataFrame({names["rubber"]: rubber, names["lead"]: [r["lead"] for r in rises]})
 
     def tables(self) -> dict[str, Table]:
@@ -511,27 +576,28 @@ class EarthquakeResult(DatasetResult):
 
     def notes(self) -> list[str]:
         """Return sentences on the energy balance and on strain rates."""
-        found = []
+        sentences = []
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())
             text = quantity("structure_residual").text(worst)
-            found.append(f"energy balance: largest residual {text} of the input")
-        rate = rate_note(self.tested_range.to_dict("records"))
-        return [*found, rate] if rate else found
+            sentences.append(f"Energy balance: the largest residual is {text} of the input.")
+        if rate := rate_note(measures.tested_rows(self)):
+            sentences.append(rate)
+        return sentences + band_sentences(self.bands.to_dict("records"), BANDED_WORDS)
 
     def show(self) -> None:
         """Print periods and damping, peaks, earlier models, the energy balance and warnings."""
         attrs = self.dataset.attrs
         title = ": ".join(dict.fromkeys([attrs["structure"], attrs["title"]]))
         say(f"{title} ({attrs['mass']} mass, {attrs['method']})", "bold")
-        modes, more = _numbers(attrs.get("periods_s", [])), ""
+        modes, remark = _numbers(attrs.get("periods_s", [])), ""
         if len(modes) > SHOWN_MODES:
-            more = f", the longest {SHOWN_MODES} of {len(modes)}"
+            remark = f", the longest {SHOWN_MODES} of {len(modes)}"
         periods = ", ".join(f"{value:.3f}" for value in modes[:SHOWN_MODES])
         damped = _numbers(attrs.get("damping_ratios", []))[:SHOWN_MODES]
         ratios = ", ".join(f"{value:.1%}" for value in damped)
-        way = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
-        say(f"periods{way} {periods} s with equivalent stiffness{more}")
+        direction = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
+        say(f"periods{direction} {periods} s with equivalent stiffness{remark}")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
             say(attrs["surroundings"])
@@ -539,13 +605,13 @@ class EarthquakeResult(DatasetResult):
             for table in tables.console_tables(self):
                 show_table(table)
         if self.compared:
-            rows = tables.comparison_table(self.compared)
+            rows = earlier.comparison_table(self.compared)
             show_table(tables.errors_table(rows))
-            say(tables.verdict(rows))
-            for early in rows[rows["outcome"] != "completed"].to_dict("records"):
-                where = run_name(early["bearing"], early["motion"], early["ambient_degC"], "")
-                text = f"{early['model']} ended early ({where}): {early['outcome']}"
-                say(f"{text}; its errors refer to the time before", "yellow")
+            say(earlier.verdict(rows))
+            for row in rows[rows["outcome"] != "completed"].to_dict("records"):
+                run_text = measures.run_name(row["bearing"], row["motion"], row["ambient_degC"], "")
+                text = f"{row['model']} ended early ({run_text}): {row['outcome']}"
+                say(f"{text}; its errors are those until then", "yellow")
         for note in self.notes():
             say(note)
         print_warnings(self.warnings)
@@ -561,23 +627,25 @@ class EarthquakeResult(DatasetResult):
             lead = self.hottest(run)["lead"]
             row = _plain(table.iloc[run].to_dict()) | {
                 "rubber_degC_max": layers,
-                "lead_degC_max": lead if lead == lead else None,
+                "lead_degC_max": None if np.isnan(lead) else lead,  # JSON has no NaN
                 "layer_force_mismatch_max_kN": float(mismatch[run]),
                 "energy": _plain(energy.iloc[run].to_dict()),
             }
             for name, rows in parts.items():
                 if len(rows):
-                    each = len(rows) // self.runs
-                    mine = rows.iloc[run * each : (run + 1) * each].to_dict("records")
-                    row[name] = [_plain(one) for one in mine]
+                    count = len(rows) // self.runs  # every run has the same parts, in order
+                    run_rows = rows.iloc[run * count : (run + 1) * count]
+                    row[name] = [_plain(part_row) for part_row in run_rows.to_dict("records")]
             runs.append(row)
         names = list(dict.fromkeys(str(name) for name in self.dataset["bearing"].values))
         compared: dict[str, Any] = {}
         if self.compared:
-            compared["verdict"] = tables.verdict(tables.comparison_table(self.compared))
+            compared["verdict"] = earlier.verdict(earlier.comparison_table(self.compared))
         if len(self.components):
             rows = tables.components_summary(self.components)
             compared["two_components_over_one"] = rows.to_dict("records")
+        if len(self.bands):
+            compared[BANDS] = self.bands.to_dict("records")
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
@@ -598,15 +666,17 @@ class EarthquakeResult(DatasetResult):
     def _write(self, folder: Path) -> None:
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / directory.TABLE, self.table)
-        others = {directory.MODES: self.modes_table}
-        others |= {directory.DIRECTIONS: self.by_direction()} if self.in_plan else {}
-        others[directory.COMPONENTS] = self.components
-        others[directory.ROTATION] = tables.rotation_measures_frame(self)
-        others[directory.LINES] = self.by_direction("lines")
-        others[directory.PIERS] = self.by_direction("piers")
+        frames = {directory.MODES: self.modes_table}
+        if self.in_plan:
+            frames[directory.DIRECTIONS] = self.by_direction()
+        frames[directory.COMPONENTS] = self.components
+        frames[directory.BANDS] = self.bands
+        frames[directory.ROTATION] = tables.rotation_measures_frame(self)
+        frames[directory.LINES] = self.by_direction("lines")
+        frames[directory.PIERS] = self.by_direction("piers")
         if self.compared:
-            others[directory.COMPARISON] = tables.comparison_table(self.compared)
-        for name, frame in others.items():
+            frames[directory.COMPARISON] = earlier.comparison_table(self.compared)
+        for name, frame in frames.items():
             if len(frame):
                 write_csv(folder / name, frame)
         self._write_histories(folder / directory.HISTORY)
@@ -619,11 +689,6 @@ class EarthquakeResult(DatasetResult):
             for place, (name, values) in enumerate(keys.items()):
                 frame.insert(place, name, values[run])
             write_csv(path, frame, below=run > 0)
-
-
-def run_name(bearing: str, motion: str, ambient: float, *others: str) -> str:
-    """Return the name of a run: bearing, motion, temperature, mode, direction, as far as given."""
-    return ", ".join(part for part in (bearing, motion, f"{ambient:g} degC", *others) if part)
 
 
 def _numbers(attribute: Any) -> list[float]:

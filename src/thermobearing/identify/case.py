@@ -1,7 +1,8 @@
 """Input of a calibration: tests, bearing, free parameters and search options."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypedDict, get_args
 
@@ -10,51 +11,71 @@ from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.units import is_number
+from thermobearing.core.records import Floats
 from thermobearing.identify.records.record import TestRecord, load_test
-from thermobearing.identify.uncertainty.covariance import chosen_groups
+from thermobearing.identify.uncertainty.groups import chosen_groups
 
-Method = Literal["least-squares", "krill-herd", "differential-evolution"]
+# Takes the objective over the unit cube of parameters, and the start in it; returns the best point.
+Search = Callable[[Callable[[Floats], float], Floats], Floats]
 Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
+StartFrom = Literal["loops", "bearing"]
 Test = TestRecord | str | Path
 
-MOST_STARTS, MOST_EVALUATIONS, LARGEST_SEED = 100, 1_000_000, 2**32 - 1
-SEARCH = 2000  # evaluations of krill herd and differential evolution
+MOST_STARTS, LARGEST_SEED = 100, 2**32 - 1
 
 
 @dataclass(frozen=True)
 class IdentifyCase:
-    """Input of a calibration; see `identify_bearing`."""
+    """Input of a calibration; see `identify_bearing`.
 
-    records: list[TestRecord]  # of one bearing, at least one
-    bearing: Bearing  # geometry and materials, and the values of what is not free
-    free: Sequence[str] | None = None  # keys, symbols and ties; None for the default ones
-    bounds: dict[str, tuple[float, float]] | None = None  # by key or symbol, in its unit
-    method: Method = "least-squares"
-    seed: int = 0  # 0 to 4294967295
-    starts: int = 3  # of least squares, 1 to 100
+    Attributes
+    ----------
+    records : tests of one bearing, at least one.
+    bearing : geometry and materials, and the values of what is not free.
+    free : parameters to calibrate, such as K_r,d_y or n_T=2.4*m_T.
+    bounds : replacements of default bounds, by key or symbol, in the unit of the parameter.
+    search : function in place of least squares from several starts.
+    seed : seed of all random numbers, 0 to 4294967295; 0 by default.
+    starts : number of starting points of least squares, 1 to 100; 3 by default.
+    loss : loss function: "linear" (default), "soft_l1", "huber" or "cauchy".
+    temperatures : also calibrate to the measured temperatures.
+    start_from : starting values of the free parameters: "loops" (default), estimates from the
+        measured loops, or "bearing", the values of the bearing.
+    polish : finish with least squares (default).
+    assumed : relative standard uncertainty of a parameter that is not calibrated, such as
+        materials.side_film=0.1 or sigma_Y=0.
+    accept_poor : write the bearing of a poor calibration (status 4) as a usable one.
+    one_temperature : calibrate m_T and n_T even if all tests have the same temperature.
+    """
+
+    records: list[TestRecord]
+    bearing: Bearing
+    free: Sequence[str] | None = None
+    bounds: dict[str, tuple[float, float]] | None = None
+    search: Search | None = None
+    seed: int = 0
+    starts: int = 3
     loss: Loss = "linear"
     temperatures: bool = False
-    blind: bool = True
+    start_from: StartFrom = "loops"
     polish: bool = True
-    evaluations: int = SEARCH  # 1 to a million
-    assumed: Mapping[str, float] | None = None  # relative standard uncertainties
+    assumed: Mapping[str, float] | None = None
     accept_poor: bool = False
     one_temperature: bool = False
 
 
 class IdentifyKeywords(TypedDict, total=False):
-    """Options of `IdentifyCase` as keyword arguments."""
+    """Options of `IdentifyCase` as keyword arguments: a test compares names and types."""
 
     free: Sequence[str] | None
     bounds: dict[str, tuple[float, float]] | None
-    method: Method
+    search: Search | None
     seed: int
     starts: int
     loss: Loss
     temperatures: bool
-    blind: bool
+    start_from: StartFrom
     polish: bool
-    evaluations: int
     assumed: Mapping[str, float] | None
     accept_poor: bool
     one_temperature: bool
@@ -69,38 +90,55 @@ def make_identify_case(
     Bearing, a library name, or a TOML file; `options`: the other attributes of `IdentifyCase`, each
     with its default.
     """
-    several = [records] if isinstance(records, TestRecord | str | Path) else list(records)
-    if not several:
+    sources = [records] if isinstance(records, TestRecord | str | Path) else list(records)
+    if not sources:
         raise InputError("give at least one test")
     base = as_bearing(bearing)
-    found = [item if isinstance(item, TestRecord) else load_test(item) for item in several]
-    case = IdentifyCase(
-        records=[record.of_bearing(base) for record in found], bearing=base, **options
-    )
+    tests = [item if isinstance(item, TestRecord) else load_test(item) for item in sources]
+    tests = [record.of_bearing(base) for record in _with_distinct_names(tests)]
+    case = IdentifyCase(records=tests, bearing=base, **options)
+    # The tests contain the ageing already; factors on top of it would count it twice.
     if effective_exposure(case.bearing, None) is not None:
         raise InputError(
             f"{case.bearing.name} has the table exposure, whose factors would be contained in the "
             "calibrated parameters. Remove the table, calibrate, and add it to the calibrated "
             "bearing"
         )
-    choices = (("method", case.method, get_args(Method)), ("loss", case.loss, get_args(Loss)))
-    for name, value, known in choices:
-        if value not in known:
-            raise InputError(f'{name} = "{value}": {nearest(value, known).removeprefix("; ")}')
-    numbers = (("starts", MOST_STARTS, 1), ("evaluations", MOST_EVALUATIONS, 1))
-    for name, most, least in (*numbers, ("seed", LARGEST_SEED, 0)):
+    for name, choices in (("loss", get_args(Loss)), ("start_from", get_args(StartFrom))):
+        choice = getattr(case, name)
+        if choice not in choices:
+            raise InputError(f'{name} = "{choice}": {nearest(choice, choices).removeprefix("; ")}')
+    if case.search is not None and not callable(case.search):
+        raise InputError("search: give a function of the objective and the start, or None")
+    for name, upper, lower in (("starts", MOST_STARTS, 1), ("seed", LARGEST_SEED, 0)):
         value = getattr(case, name)
-        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-            said = shortened(str(value)) if is_number(value) else "that"
-            raise InputError(f"{name} = {said}: must be an integer from {least} to {most}")
+        if not isinstance(value, int) or isinstance(value, bool) or not lower <= value <= upper:
+            shown = shortened(str(value)) if is_number(value) else "that"
+            raise InputError(f"{name} = {shown}: must be an integer from {lower} to {upper}")
     chosen_groups(case.assumed)
     return case
 
 
 def find_bearing(records: Sequence[TestRecord], start: str | None = None) -> Bearing | None:
-    """Return the bearing that the tests belong to."""
+    """Return the bearing that the tests belong to.
+
+    Parameters
+    ----------
+    start : bearing with geometry, materials and fixed parameters.
+    """
     names = {record.bearing for record in records if record.bearing}
     if start is None and len(names) > 1:
         raise InputError(f"the tests name several bearings ({', '.join(sorted(names))})")
-    chosen = start or next(iter(names), None)
-    return load_bearing(chosen) if chosen else None
+    name = start or next(iter(names), None)
+    return load_bearing(name) if name else None
+
+
+def _with_distinct_names(records: list[TestRecord]) -> list[TestRecord]:
+    """Return tests of which those with one name have their folder before it: "cold-history"."""
+    counts = Counter(record.name for record in records)
+    return [
+        replace(record, name=f"{Path(record.file).parent.name}-{record.name}")
+        if counts[record.name] > 1 and Path(record.file).parent.name
+        else record
+        for record in records
+    ]

@@ -14,7 +14,7 @@ from thermobearing.identify.records.cycles import Loop, compare_loops
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import largest_by
 from thermobearing.results.base import COMPLETED
-from thermobearing.results.ranges import Row
+from thermobearing.results.ranges import Row, names_by_sentence
 
 LEAST_RISE = 0.5  # [K]: relative errors of smaller temperature rises are not reported
 # Sides of a loop that each error of the table takes into account.
@@ -41,16 +41,16 @@ class Comparison:
         if self.prediction is None:
             return NAN
         measured = self.record.force
-        left = float(np.sum((self.prediction.force - measured) ** 2))
-        return 1.0 - left / float(np.sum((measured - measured.mean()) ** 2))
+        unexplained = float(np.sum((self.prediction.force - measured) ** 2))
+        return 1.0 - unexplained / float(np.sum((measured - measured.mean()) ** 2))
 
     @cached_property
     def NRMSE(self) -> float:
         """Root mean square error of the force over the largest force of the test."""
         if self.prediction is None:
             return NAN
-        off = self.prediction.force - self.record.force
-        return float(np.sqrt(np.mean(off**2))) / self.record.peak_force
+        residual = self.prediction.force - self.record.force
+        return float(np.sqrt(np.mean(residual**2))) / self.record.peak_force
 
     @cached_property
     def loops(self) -> list[Loop]:
@@ -108,22 +108,23 @@ class Comparison:
             rise, model = test - test[0], self.prediction.temperatures[title]
             if rise.max() > 0.0:
                 errors.append((model - model[0] - rise) / rise.max())
+        # An empty array first: concatenate refuses an empty list.
         return _worst(np.concatenate([np.zeros(0), *errors]).tolist())
 
     @property
     def errors(self) -> dict[str, float]:
         """Largest error of each quantity over the cycles (or samples), signed; nan without any."""
-        found = {
+        largest_errors = {
             name: _worst([loop.ratios[side] - 1.0 for loop in self.loops for side in sides])
             for name, sides in SIDES.items()
         }
-        return found | {"temperature": self._rise_error, "NRMSE": self.NRMSE}
+        return largest_errors | {"temperature": self._rise_error, "NRMSE": self.NRMSE}
 
     @property
     def names(self) -> dict[str, Any]:
         """The first columns of its rows in tables."""
-        whose = {"test": self.record.name, "ambient_degC": self.record.ambient}
-        return whose | {"bearing": self.bearing, "model": self.model}
+        test = {"test": self.record.name, "ambient_degC": self.record.ambient}
+        return test | {"bearing": self.bearing, "model": self.model}
 
     @property
     def samples(self) -> dict[str, Any]:
@@ -148,18 +149,18 @@ def _worst(errors: list[float]) -> float:
 def cycles_frame(comparisons: list[Comparison]) -> "pd.DataFrame":
     """Return the rows of cycles.csv: test, model and ratios of each cycle."""
     rows = [
-        item.names | loop.row(largest=loop is item.largest)
-        for item in comparisons
-        for loop in item.loops
+        comparison.names | loop.row(largest=loop is comparison.largest)
+        for comparison in comparisons
+        for loop in comparison.loops
     ]
     return pd.DataFrame(rows)
 
 
 def unused_columns(records: list[TestRecord]) -> list[str]:
-    """Return a sentence for each test whose file has columns that are not used."""
-    said = [
-        printable(f"{record.name}: columns not used: {', '.join(record.unused)}")
+    """Return a sentence on columns that are not used, for all tests whose files have the same."""
+    unused = dict.fromkeys(
+        (record.name, f"columns not used: {', '.join(record.unused)}")
         for record in records
         if record.unused
-    ]
-    return [*dict.fromkeys(said)]
+    )
+    return [printable(f"{names}: {sentence}") for names, sentence in names_by_sentence(unused)]

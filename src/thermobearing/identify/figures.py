@@ -17,7 +17,12 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.posterior import Band
 from thermobearing.results import drawing
-from thermobearing.results.metrics import FEWEST_POINTS, CycleMeasures, measure_cycle
+from thermobearing.results.metrics import (
+    FEWEST_POINTS,
+    CycleMeasures,
+    cut_at_zeros,
+    measure_cycle,
+)
 
 TEST, MODEL = "#8a8f98", "#CC3311"
 BINS = 3000
@@ -40,23 +45,25 @@ class ComparisonFigures(drawing.Figures):
 
     vector = True
 
-    def __init__(self, found: Any, comparisons: Sequence[Comparison], subject: str) -> None:
-        super().__init__(found)
+    def __init__(self, result: Any, comparisons: Sequence[Comparison], subject: str) -> None:
+        super().__init__(result)
         self._subject = subject
-        self._done = [item for item in comparisons if item.prediction is not None]
-        self._names = list(dict.fromkeys(self._model_name(item) for item in self._done))
-        several = drawing.ordered_colours(len(self._names), "turbo")
-        self._colours = dict(zip(self._names, several, strict=True))
+        self._completed = [item for item in comparisons if item.prediction is not None]
+        self._names = list(dict.fromkeys(self._model_name(item) for item in self._completed))
+        colours = drawing.ordered_colours(len(self._names), "turbo")
+        self._colours = dict(zip(self._names, colours, strict=True))
         if len(self._names) == 1:
             self._colours = {self._names[0]: MODEL}
-        self._records = list({id(item.record): item.record for item in comparisons}.values())
+        self._records = list(
+            {id(comparison.record): comparison.record for comparison in comparisons}.values()
+        )
 
-    def _title(self, what: str) -> str:
-        return f"{self._subject}: {what}"
+    def _title(self, content: str) -> str:
+        return f"{self._subject}: {content}"
 
     @staticmethod
-    def _model_name(item: Comparison) -> str:
-        return f"{item.bearing}, {item.model}"
+    def _model_name(comparison: Comparison) -> str:
+        return f"{comparison.bearing}, {comparison.model}"
 
     @staticmethod
     def _test_name(record: TestRecord) -> str:
@@ -64,19 +71,23 @@ class ComparisonFigures(drawing.Figures):
 
     def _comparisons(self, record: TestRecord) -> list[tuple[Comparison, str]]:
         """Return the comparisons of a test with models that completed it, and their colours."""
-        return [(c, self._colours[self._model_name(c)]) for c in self._done if c.record is record]
+        return [
+            (comparison, self._colours[self._model_name(comparison)])
+            for comparison in self._completed
+            if comparison.record is record
+        ]
 
-    def _legend(self, figure: Figure, *more: Line2D) -> None:
+    def _legend(self, figure: Figure, *handles: Line2D) -> None:
         pairs = self._colours.items()
         models = [Line2D([], [], color=c, linewidth=1.5, label=name) for name, c in pairs]
-        drawing.legend_below(figure, [*more, *models])
+        drawing.legend_below(figure, [*handles, *models])
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
-        shown = [self.loops, self.residuals]
+        figures = [self.loops, self.residuals]
         if any(record.temperatures for record in self._records):
-            shown.append(self.temperatures)
-        return {draw.__name__: draw for draw in shown}
+            figures.append(self.temperatures)
+        return {draw.__name__: draw for draw in figures}
 
     def loops(self, ax: Axes | None = None, *, label: str = "", color: str = MODEL) -> Figure:
         """Draw the loops of each test as a broad band, those of the models as lines over it."""
@@ -90,16 +101,19 @@ class ComparisonFigures(drawing.Figures):
         rows = -(-len(self._records) // columns)
         size = (max(5.5, 1.0 + 3.4 * columns), 0.9 + 3.6 * rows)
         figure, axes = drawing.panels(rows, columns, size, self._title("loops of tests and models"))
-        shown = axes[: len(self._records)]
-        for place, record in zip(shown, self._records, strict=True):
+        test_axes = axes[: len(self._records)]
+        for place, record in zip(test_axes, self._records, strict=True):
             self._draw_loops(place, record)
             title = self._test_name(record)
             if len(self._names) == 1:
-                title += "".join(f", R² = {item.R2:.4f}" for item, _ in self._comparisons(record))
+                title += "".join(
+                    f", R² = {comparison.R2:.4f}" for comparison, _ in self._comparisons(record)
+                )
             drawing.name_axes(place, "displacement [mm]", "force [kN]", title)
-        force = drawing.common_limits(shown)  # one scale: the cold test is the stronger one
+        force = drawing.common_limits(test_axes)  # one scale: the cold test is the stronger one
+        # One scale for the displacement too, so that panels can be compared.
         widest = 1.06 * max(record.peak_displacement for record in self._records)
-        for place, record in zip(shown, self._records, strict=True):
+        for place, record in zip(test_axes, self._records, strict=True):
             place.set(xlim=(-widest, widest), ylim=force)
             end = self._tested_to(record)
             drawing.shade_untested([place], [(-end, end)])
@@ -111,21 +125,21 @@ class ComparisonFigures(drawing.Figures):
 
     def _draw_loops(self, ax: Axes, record: TestRecord, colour: str = "") -> None:
         x, lines = record.displacement, [(record.force, PALE_TEST, BAND_WIDTH, 1.5)]
-        for item, own in self._comparisons(record):
-            if item.prediction is not None:
-                lines.append((item.prediction.force, colour or own, 0.8, 2.0))
+        for comparison, model_colour in self._comparisons(record):
+            if comparison.prediction is not None:
+                lines.append((comparison.prediction.force, colour or model_colour, 0.8, 2.0))
         span = float(np.ptp(x)), float(np.ptp(record.force))
-        for values, shown, width, order in lines:
-            kept = drawing.thin_loops(x, values, *span)
-            ax.plot(x[kept], values[kept], color=shown, linewidth=width, zorder=order)
+        for values, line_colour, width, order in lines:
+            samples = drawing.thin_loops(x, values, *span)
+            ax.plot(x[samples], values[samples], color=line_colour, linewidth=width, zorder=order)
 
     def _tested_to(self, record: TestRecord) -> float:
         """Return the displacement [mm] of the largest calibrated strain if a test exceeds it."""
         ends = [
-            row["largest"] / row["asked"] * record.peak_displacement
-            for item, _ in self._comparisons(record)
-            for row in item.compared
-            if row["limit"] == "strain" and row["passed"] and row["asked"] > row["largest"]
+            row["largest"] / row["demand"] * record.peak_displacement
+            for comparison, _ in self._comparisons(record)
+            for row in comparison.compared
+            if row["limit"] == "strain" and row["passed"] and row["demand"] > row["largest"]
         ]
         return min(ends, default=np.inf)
 
@@ -137,16 +151,16 @@ class ComparisonFigures(drawing.Figures):
         label = "model - test [% of peak]"
         for left, right, record in zip(axes[::2], axes[1::2], self._records, strict=True):
             spreads = []
-            for item, colour in self._comparisons(record):
-                assert item.prediction is not None
-                off = 100.0 * (item.prediction.force - record.force) / record.peak_force
-                kept = drawing.thin(off, BINS)
-                left.plot(kept, off[kept], color=colour, linewidth=0.5)
-                right.hist(off, bins=80, density=True, color=colour, histtype="step")
-                sigma = max(float(off.std()), 1e-12)
-                grid = np.linspace(float(off.min()), float(off.max()), 200)
+            for comparison, colour in self._comparisons(record):
+                assert comparison.prediction is not None
+                residual = 100.0 * (comparison.prediction.force - record.force) / record.peak_force
+                samples = drawing.thin(residual, BINS)
+                left.plot(samples, residual[samples], color=colour, linewidth=0.5)
+                right.hist(residual, bins=80, density=True, color=colour, histtype="step")
+                sigma = max(float(residual.std()), 1e-12)
+                grid = np.linspace(float(residual.min()), float(residual.max()), 200)
                 area = sigma * np.sqrt(2.0 * np.pi)
-                normal = np.exp(-0.5 * ((grid - off.mean()) / sigma) ** 2) / area
+                normal = np.exp(-0.5 * ((grid - residual.mean()) / sigma) ** 2) / area
                 right.plot(grid, normal, color=colour, linewidth=0.8, linestyle="--")
                 spreads.append(f"{sigma:.2g}")
             left.axhline(0.0, color=drawing.INK, linewidth=0.8)
@@ -169,13 +183,18 @@ class ComparisonFigures(drawing.Figures):
             for (place, test), colour in zip(record.temperatures.items(), colours, strict=True):
                 label = f"{place} ({record.places[place]})"
                 ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
-                for item, _ in self._comparisons(record):
-                    assert item.prediction is not None
-                    look: drawing.Look = {
+                for comparison, _ in self._comparisons(record):
+                    assert comparison.prediction is not None
+                    style: drawing.Look = {
                         "linewidth": 1.0,
-                        "linestyle": dashes[self._model_name(item)],
+                        "linestyle": dashes[self._model_name(comparison)],
                     }
-                    ax.plot(record.time, item.prediction.temperatures[place], color=colour, **look)
+                    ax.plot(
+                        record.time,
+                        comparison.prediction.temperatures[place],
+                        color=colour,
+                        **style,
+                    )
             ax.legend(fontsize=drawing.SMALL, frameon=False)
             drawing.name_axes(ax, "time [s]", "temperature [degC]", self._test_name(record))
         lines = {"test": "-", **dashes}.items()
@@ -187,22 +206,22 @@ class ComparisonFigures(drawing.Figures):
 class IdentificationFigures(ComparisonFigures):
     """Figures of a calibration: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
-    def __init__(self, found: Identification) -> None:
-        super().__init__(found, found.fits, found.bearing.name)
-        self._found = found
+    def __init__(self, identification: Identification) -> None:
+        super().__init__(identification, identification.fits, identification.bearing.name)
+        self._identification = identification
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
         figures = super().draw_all()
         for draw in (self.convergence, self.correlation, self.cycles):
             figures[draw.__name__] = draw
-        bands = self._found.forecast.bands if self._found.forecast else ()
+        bands = self._identification.forecast.bands if self._identification.forecast else ()
         return figures | {f"band_{band.ambient:g}": partial(self.band, band) for band in bands}
 
     def convergence(self) -> Figure:
         """Draw the best residual so far against evaluations."""
         figure, (ax,) = drawing.panels(1, 1, (6.5, 3.8), self._title("convergence"))
-        count, squares = np.array(self._found.history, dtype=float).T
+        count, squares = np.array(self._identification.history, dtype=float).T
         error = 100.0 * np.sqrt(squares)
         ax.step(count, error, where="post", color=drawing.INK, linewidth=1.3)
         ax.set_yscale("log")
@@ -215,16 +234,16 @@ class IdentificationFigures(ComparisonFigures):
 
     def correlation(self) -> Figure:
         """Draw the correlation matrix of the free parameters."""
-        found = self._found.uncertainty
-        names = [item.parameter.kind.symbol for item in found.estimates.values()]
+        uncertainty = self._identification.uncertainty
+        names = [item.parameter.kind.symbol for item in uncertainty.estimates.values()]
         size = 1.8 + 0.55 * len(names)
         inches = (max(size + 0.8, 4.5), max(size, 3.8))
         figure, (ax,) = drawing.panels(1, 1, inches, self._title("correlation"))
         ax.grid(False)
-        image = ax.imshow(found.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
+        image = ax.imshow(uncertainty.correlation, cmap="RdBu_r", vmin=-1.0, vmax=1.0)
         ax.set_xticks(range(len(names)), names, fontsize=drawing.NORMAL, rotation=45)
         ax.set_yticks(range(len(names)), names, fontsize=drawing.NORMAL)
-        for (i, j), value in np.ndenumerate(found.correlation):
+        for (i, j), value in np.ndenumerate(uncertainty.correlation):
             if len(names) <= LABELLED * figure.get_figwidth():
                 colour = "white" if abs(value) > 0.6 else drawing.INK
                 text = f"{value:.2f}".replace("-", "\N{MINUS SIGN}")
@@ -237,12 +256,11 @@ class IdentificationFigures(ComparisonFigures):
     def cycles(self) -> Figure:
         """Draw the measures of each cycle: the test as a broad band, the model as a line.
 
-        Those of the model follow from its computed force. Those of the test differ by the error
-        in the table, which compares short running means: extremes of noisy samples are too large.
+        Both are those of cycles.csv.
         """
         title = self._title("test and model, each cycle")
         figure, axes = drawing.panels(2, 2, (10.0, 6.4), title, least=drawing.NARROW)
-        fits = self._found.fits
+        fits = self._identification.fits
         colours = drawing.ordered_colours(len(fits), "viridis")
         for ax, (measure, (title, unit, _)) in zip(axes, MEASURES.items(), strict=True):
             for k, (fit, colour) in enumerate(zip(fits, colours, strict=True)):
@@ -268,13 +286,14 @@ class IdentificationFigures(ComparisonFigures):
     def _draw_cycles(self, ax: Axes, fit: Comparison, name: str, colour: str, marker: str) -> None:
         """Draw one measure of the cycles of a test, each amplitude a line."""
         assert fit.prediction is not None
-        bearing, force, rows = self._found.bearing, fit.prediction.force, []
+        bearing, force, rows = self._identification.bearing, fit.prediction.force, []
         size = {"area": bearing.area, "total_rubber_thickness": bearing.total_rubber_thickness}
         loops = [loop for loop in fit.loops if loop.last - loop.first + 1 >= FEWEST_POINTS]
         for loop in loops:
             part = slice(loop.first, loop.last + 1)
-            found = measure_cycle(fit.record.displacement[part], force[part], slope=False, **size)
-            value = MEASURES[name][2](found)
+            x, force_in_loop = cut_at_zeros(fit.record.displacement[part], force[part])
+            measures = measure_cycle(x, force_in_loop, slope=False, **size)
+            value = MEASURES[name][2](measures)
             rows.append((loop.cycle, value / (1.0 + loop.errors[name]), value))
         first = [k for k, loop in enumerate(loops) if k and loop.number <= loops[k - 1].number]
         columns = np.array(rows, dtype=float).reshape(-1, 3).T
@@ -288,22 +307,22 @@ class IdentificationFigures(ComparisonFigures):
         title = self._title(f"predicted at {drawing.degrees(band.ambient)}{words}")
         figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title, least=drawing.NARROW)
         x, force = band.displacement, band.best
-        most = float(np.abs(x).max())
-        turns = turning_points(x, TURN * most)
+        largest = float(np.abs(x).max())
+        turns = turning_points(x, TURN * largest)
         for first, last in pairwise(turns):  # each leg separately
             leg = slice(first, last + 1)
-            kept = first + drawing.thin_loops(x[leg], force[leg], 2.0 * most, 2.0 * band.peak)
-            low, high = band.lower[kept], band.upper[kept]
-            loops.fill_between(x[kept], low, high, color=PALE_TEST, linewidth=0.0)
-        kept = drawing.thin_loops(x, force, 2.0 * most, 2.0 * band.peak)
-        loops.plot(x[kept], force[kept], color=MODEL, linewidth=0.7)
+            samples = first + drawing.thin_loops(x[leg], force[leg], 2.0 * largest, 2.0 * band.peak)
+            low, high = band.lower[samples], band.upper[samples]
+            loops.fill_between(x[samples], low, high, color=PALE_TEST, linewidth=0.0)
+        samples = drawing.thin_loops(x, force, 2.0 * largest, 2.0 * band.peak)
+        loops.plot(x[samples], force[samples], color=MODEL, linewidth=0.7)
         text = f"peak {band.peak:.4g} kN, 95 % {band.peak_lower:.4g} to {band.peak_upper:.4g} kN"
         drawing.name_axes(loops, "displacement [mm]", "force [kN]", text)
-        shown = turns[np.abs(x[turns]) > SMALL_TURN * most]
-        number, side = np.arange(1, len(shown) + 1), np.sign(x[shown])
-        ends = side * band.lower[shown], side * band.upper[shown]
+        reversals = turns[np.abs(x[turns]) > SMALL_TURN * largest]
+        number, side = np.arange(1, len(reversals) + 1), np.sign(x[reversals])
+        ends = side * band.lower[reversals], side * band.upper[reversals]
         peaks.vlines(number, *ends, color=PALE_TEST, linewidth=BAND_WIDTH)
-        peaks.plot(number, side * force[shown], "o", color=MODEL, markersize=3.5)
+        peaks.plot(number, side * force[reversals], "o", color=MODEL, markersize=3.5)
         peaks.set_ylim(bottom=min(0.0, *peaks.get_ylim()))
         drawing.name_axes(peaks, "reversal", "force at the reversal [kN]")
         drawing.name_axes(peaks, title="force at each reversal")

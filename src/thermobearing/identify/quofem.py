@@ -18,14 +18,18 @@ import numpy as np
 
 import thermobearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.errors import InputError, short_repr, shortened
 from thermobearing.border.library import data_path
+from thermobearing.border.opener import read_json
 from thermobearing.border.schema import validated
+from thermobearing.border.units import is_number
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.parameters import BACKWARD, Parameter, parameter_set
 from thermobearing.identify.fit.problem import LOST, Problem
 from thermobearing.identify.records.record import WEIGHTS, TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.covariance import Group, moved_parts
+from thermobearing.identify.uncertainty.covariance import moved_parts
+from thermobearing.identify.uncertainty.groups import Group
 from thermobearing.laws import load, loaded_files
 from thermobearing.results.directory import write_directory
 
@@ -35,6 +39,9 @@ RESULTS = "results.out"  # which quoFEM reads
 BEFORE = {"linear": "", "log": "ln_", "log1p": "ln1p_"}  # a symbol, by the scale of the parameter
 HELD = "z_"  # before a group that is held at an assumed value
 SAMPLES = "time", "displacement", "force", "block"
+LARGEST_FILE = 1_000_000_000  # bytes of the problem, with the samples of all tests
+# What reading of JSON with other keys or values than those of `_problem_table` raises.
+DAMAGED = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 KEPT = (
     "name",
     *SAMPLES,
@@ -55,7 +62,7 @@ write_responses(vars(params))
 '''
 
 
-def write_quofem(found: Identification, folder: str | Path) -> Path:
+def write_quofem(identification: Identification, folder: str | Path) -> Path:
     """Write a calibration as a folder that quoFEM opens and runs.
 
     Parameters
@@ -77,20 +84,20 @@ def write_quofem(found: Identification, folder: str | Path) -> Path:
     """
 
     def _fill(target: Path) -> None:
-        for file in loaded_files():
-            shutil.copy(file, target)
-        starts = {_name(p): _searched(p, p.value) for p in found.pset.free}
-        data = found.problem.data()
-        changes = dict.fromkeys(map(_held_name, _groups(found)), 0.0)
+        for file, name in _law_files().items():
+            shutil.copy(file, target / name)
+        starts = {_name(p): _searched(p, p.value) for p in identification.pset.free}
+        data = identification.problem.data()
+        changes = dict.fromkeys(map(_held_name, _groups(identification)), 0.0)
         texts = {
             DRIVER: MODEL,
             PARAMETERS: "".join(f"{k} = {value!r}\n" for k, value in (starts | changes).items()),
             MEASURED: _row(data, ","),
-            PROBLEM: json.dumps(_problem_table(found), default=np.ndarray.tolist),
-            README: _readme(found),
+            PROBLEM: json.dumps(_problem_table(identification), default=np.ndarray.tolist),
+            README: _readme(identification),
         }
         lengths = [len(part) for part in data]
-        inputs = {name: _input(found, name, starts, lengths) for name in INPUTS}
+        inputs = {name: _input(identification, name, starts, lengths) for name in INPUTS}
         texts |= {name: json.dumps(table, indent=4) for name, table in inputs.items()}
         for name, text in texts.items():
             (target / name).write_text(text, encoding="utf-8")
@@ -102,24 +109,70 @@ def write_responses(params: Mapping[str, Any], folder: str | Path = ".") -> None
     """Run the tests of a folder of `write_quofem` with some parameters, and write results.out.
 
     `params` holds the values by name, as in params.py. A test that ends early is as far from the
-    data as `identify` takes it to be.
+    data as `identify` takes it to be. An InputError names a file of the folder that was damaged, or
+    a parameter without a value.
     """
     place = Path(folder)
-    table = json.loads((place / PROBLEM).read_text(encoding="utf-8"))
-    for file in table["laws"]:
-        load(place / file)
-    problem = _problem(table)
+    problem, groups = _read_problem(place)
     scales = [(p, BACKWARD[p.kind.scale]) for p in problem.pset.free]
-    cube = np.array([p.place(back(float(params[_name(p)]))) for p, back in scales])
-    groups = [Group(**group) for group in table["assumed"]]
-    changes = [(group, float(params.get(_held_name(group), 0.0))) for group in groups]
+    names = [_name(parameter) for parameter in problem.pset.free]
+    held = {name: params.get(name, 0.0) for name in map(_held_name, groups)}
+    faults = [
+        f"{name} = {short_repr(value)}: must be a finite number"
+        for name, value in [*((name, params.get(name)) for name in names), *held.items()]
+        if not is_number(value) or not np.isfinite(value)
+    ]
+    if faults:
+        raise InputError(faults, str(place / PARAMETERS))
+    pairs = zip(names, scales, strict=True)
+    try:
+        cube = np.array([p.place(inverse(float(params[name]))) for name, (p, inverse) in pairs])
+    except OverflowError:
+        message = "a logarithm of a parameter is beyond the range of numbers"
+        raise InputError(message, str(place / PARAMETERS)) from None
+    changes = [(group, float(held[_held_name(group)])) for group in groups]
     residuals: list[Floats] | None = problem.parts(cube, fine=True)
+    # At their assumed values the models of the problem are used again; a change builds new ones.
     if any(sigmas != 0.0 for _, sigmas in changes):
         residuals = moved_parts(problem, problem.pset.bearing(cube), changes)
     if residuals is None:
         residuals = [np.full(len(data), LOST) for data in problem.data()]
     parts = zip(problem.data(), residuals, strict=True)
     (place / RESULTS).write_text(_row([data + residual for data, residual in parts], " "))
+
+
+def _read_problem(place: Path) -> tuple[Problem, list[Group]]:
+    """Return the least-squares problem of a folder, and what is held at assumed values."""
+    file = place / PROBLEM
+    table = read_json(file, LARGEST_FILE)
+    try:
+        for law in table["laws"]:
+            load(place / law)
+        return _problem(table), [Group(**group) for group in table["assumed"]]
+    except InputError as error:
+        raise error.located(file) from None
+    except DAMAGED as error:
+        cure = "write the folder again with identify --quofem"
+        fault = f"is damaged ({type(error).__name__}: {shortened(str(error))}); {cure}"
+        raise InputError(fault, str(file)) from None
+
+
+def _law_files() -> dict[str, str]:
+    """Return the files of registered laws, and their names in a folder of quoFEM.
+
+    Files of one name from two folders, and files with the name of another file of the folder, get
+    a number; case does not count, as on Windows.
+    """
+    taken = {DRIVER, PARAMETERS}
+    names: dict[str, str] = {}
+    for file in map(Path, loaded_files()):
+        name, number = file.name, 1
+        while name.casefold() in taken:
+            number += 1
+            name = f"{file.stem}_{number}{file.suffix}"
+        taken.add(name.casefold())
+        names[str(file)] = name
+    return names
 
 
 def _row(parts: list[Floats], between: str) -> str:
@@ -158,10 +211,13 @@ def _problem_table(identification: Identification) -> dict[str, Any]:
         tests.append(test | {"clipped": np.flatnonzero(weights == 0.0)})
     return {
         "bearing": identification.pset.base.model_dump(mode="json"),
-        "free": [*free, *(f"{key} = {factor!r} * {of}" for key, (of, factor) in ties.items())],
+        "free": [
+            *free,
+            *(f"{key} = {factor!r} * {tied_key}" for key, (tied_key, factor) in ties.items()),
+        ],
         "bounds": free,
         "temperatures": problem.temperatures,
-        "laws": [Path(file).name for file in loaded_files()],
+        "laws": list(_law_files().values()),
         "assumed": [group.model_dump() for group in _groups(identification)],
         "tests": tests,
     }
@@ -177,6 +233,10 @@ def _problem(table: dict[str, Any]) -> Problem:
         samples: dict[str, Any] = {name: np.array(test[name]) for name in SAMPLES}
         samples["temperatures"] = {k: np.array(v) for k, v in test["temperatures"].items()}
         records.append(TestRecord(**(test | samples)))
+    for record in records:
+        lengths = {len(getattr(record, name)) for name in SAMPLES}
+        if len(lengths | {len(values) for values in record.temperatures.values()}) > 1:
+            raise ValueError(f"the samples of {record.name} differ in number")
     bearing = validated(Bearing, table["bearing"], PROBLEM, from_file=False)
     pset = parameter_set(bearing, table["free"], [], table["bounds"])
     return Problem(records, pset, temperatures=table["temperatures"], clipped=clipped)
@@ -190,6 +250,7 @@ def _input(
     for parameter, (symbol, start) in zip(identification.pset.free, starts.items(), strict=True):
         low, high = parameter.ends
         kind: dict[str, Any] = {"distribution": "Uniform", "variableClass": "Uncertain"}
+        # Least squares needs a design variable with a start, a Bayesian run a random variable.
         if name == INPUTS[0]:  # versions of quoFEM differ in the spelling of the start
             kind = {"distribution": "ContinuousDesign", "variableClass": "Design"}
             kind |= {"initialpoint": start, "initialPoint": start}
@@ -198,8 +259,8 @@ def _input(
     for group in _groups(identification) if name != INPUTS[0] else ():
         symbol = _held_name(group)
         normal = {"distribution": "Normal", "mean": 0.0, "stdDev": group.widening}
-        about = {"variableClass": "Uncertain", "inputType": "Parameters", "refCount": 1}
-        variables.append({"name": symbol, "value": f"RV.{symbol}", **normal, **about})
+        settings = {"variableClass": "Uncertain", "inputType": "Parameters", "refCount": 1}
+        variables.append({"name": symbol, "value": f"RV.{symbol}", **normal, **settings})
     responses = [
         {"name": f"test_{number}", "type": "field", "length": length}
         for number, length in enumerate(lengths, 1)
@@ -218,7 +279,10 @@ def _readme(identification: Identification) -> str:
         samples=uncertainty.samples,
         worth=uncertainty.effective_samples,
         wider=(uncertainty.samples / uncertainty.effective_samples) ** 0.5,
-        found=", ".join(f"{_name(one)} = {_searched(one, value):.6g}" for one, value in estimates),
+        found=", ".join(
+            f"{_name(parameter)} = {_searched(parameter, value):.6g}"
+            for parameter, value in estimates
+        ),
     )
 
 

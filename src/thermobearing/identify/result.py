@@ -1,5 +1,6 @@
 """The result of a calibration: bearing, parameters with their uncertainty, and agreement."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,7 @@ from thermobearing.bearing.library import bearing_from_table
 from thermobearing.bearing.model import Bearing, TemperatureLaw
 from thermobearing.bearing.plausible import implausible
 from thermobearing.bearing.scaling import extract_compound
+from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import sourced_toml, to_table, with_sources
 from thermobearing.core.records import Floats
@@ -21,10 +23,12 @@ from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.fit.parameters import ParameterSet, is_of_temperature
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
-from thermobearing.identify.records.checks import CheckReport
+from thermobearing.identify.properties import Property, list_properties, properties_table
+from thermobearing.identify.records.checks import CheckReport, Offset
 from thermobearing.identify.records.record import TestRecord, record_conditions
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import percent
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import (
     COMPOUND,
@@ -34,6 +38,7 @@ from thermobearing.results.directory import (
     THERMOCOUPLES,
     VALIDATED_CYCLES,
 )
+from thermobearing.results.ranges import names_by_sentence
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
@@ -43,13 +48,22 @@ POOR_R2 = 0.98  # coefficient of determination below which a warning is given
 UNUSABLE = 0.9  # minimum for acceptance: forces with an error of 31 % throughout have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are reported
 AVERAGED = (
-    "the calibrated values are averages of both. Set first_cycle_weight = 0 in the sidecar to "
-    "calibrate to the later cycles only, or add a table scragging to the bearing to match both"
+    "The calibrated values are averages of both; first_cycle_weight = 0 in the sidecar uses the "
+    "later cycles only, and a table scragging in the bearing file models both"
 )
-LATER = "they had no weight: the bearing matches the later cycles and is too soft in a first cycle"
+LATER = "They had no weight, so that the calibrated bearing is too soft in a first cycle"
+OF_ZEROS = ("offset", "drift")  # checks of the zeros of force and displacement
 ENERGY = 0.15  # error of a cycle's energy that is reported
-OF_ESTIMATE = ["stderr", "stderr_of_tests", "lower", "upper", "at_bound"]  # in summary.json
-OF_ESTIMATE += ["determined", "well_determined"]
+# Fields of an estimate in summary.json.
+OF_ESTIMATE = [
+    "stderr",
+    "stderr_of_tests",
+    "lower",
+    "upper",
+    "at_bound",
+    "determined",
+    "well_determined",
+]
 SENTENCES = {
     "not_converged": "The search did not converge. Increase --starts.",
     "poor_fit": "bearing.toml is marked as a poor fit and cannot be loaded. See figures/loops.png "
@@ -65,24 +79,39 @@ def _virgin_warning(fit: Comparison) -> str:
     if stiffer <= FIRST_CYCLE:
         return ""
     return (
-        f"{fit.record.name}: the first cycles of the test are {stiffer:.0%} stronger than the "
-        "later ones, more than heating explains (scragging); "
+        f"{fit.record.name}: the first cycles are {percent(stiffer)} stronger than later ones, "
+        "more than heating explains (scragging). "
         + (AVERAGED if fit.record.first_cycle_weight else LATER)
     )
+
+
+def _check_warnings(checks: Sequence[CheckReport], of_zeros: bool) -> list[str]:
+    """Return the warnings of the checks, each once, with the names of its tests.
+
+    Those of the zeros, which the checks measured, or all others.
+    """
+    findings = (
+        (check.record.name, finding.sentence)
+        for check in checks
+        for finding in check.findings
+        if finding.level != "note" and (finding.check in OF_ZEROS) is of_zeros
+    )
+    return [f"{names}: {sentence}" for names, sentence in names_by_sentence(findings)]
 
 
 def _fit_warnings(fit: Comparison) -> list[str]:
     """Return what the residuals say about the law itself; for virgin rubber only that."""
     virgin, name = _virgin_warning(fit), fit.record.name
-    said = [virgin] if virgin else []
+    warnings = [virgin] if virgin else []
     if fit.R2 < POOR_R2:
-        said.append(f"{name}: the agreement is poor (R2 = {fit.R2:.3f}, NRMSE {fit.NRMSE:.1%})")
+        warnings.append(f"{name}: poor agreement of the force, R2 = {fit.R2:.3f}")
     worst = max((abs(loop.errors["energy_error"]) for loop in fit.loops), default=0.0)
     if worst > ENERGY and not virgin:
-        said.append(f"{name}: the error of the energy of a cycle is up to {worst:.0%}")
-    return said
+        warnings.append(f"{name}: the energy of a cycle is off by up to {percent(worst)}")
+    return warnings
 
 
+@checked
 @dataclass(frozen=True, repr=False)
 class Identification(Result):
     """The result of a calibration.
@@ -171,6 +200,11 @@ class Identification(Result):
         ]
 
     @cached_property
+    def properties(self) -> list[Property]:
+        """G_e, h_eq, Q_d and K_d at the temperatures of the tests, and their ratios."""
+        return list_properties(self)
+
+    @cached_property
     def cycles(self) -> "pd.DataFrame":
         """One row for each cycle of each test: test, model and ratios, as of a validation."""
         return cycles_frame(self.fits)
@@ -180,10 +214,22 @@ class Identification(Result):
         """Thermocouples of all tests and of the model, a row each."""
         return [{"test": fit.record.name, **row} for fit in self.fits for row in fit.thermocouples]
 
+    def _measured_zeros(self) -> list[tuple[str, Offset]]:
+        """Return the offsets that the checks warn of, each with the name of its test.
+
+        That of a signal which drifts is a part of its drift.
+        """
+        return [
+            (check.record.name, offset)
+            for check in self.checks
+            for offset in check.offsets
+            if offset.warned and check.treatment and offset.name not in check.treatment.drifts
+        ]
+
     @property
     def poor(self) -> list[str]:
         """Reasons why the bearing should not be used; empty if the agreement is acceptable."""
-        said = [
+        reasons = [
             f"{fit.record.name}: R2 = {fit.R2:.3f}"
             for fit in self.fits
             if fit.R2 < UNUSABLE and fit.record.weight > 0.0
@@ -191,8 +237,8 @@ class Identification(Result):
         for item in self.uncertainty.estimates.values():
             if item.lost and not item.parameter.kind.optional:
                 value = f"{item.parameter.kind.symbol} = {item.value:.4g}"
-                said.append(f"{value} {item.parameter.kind.unit}".strip() + f" {item.where}")
-        return said
+                reasons.append(f"{value} {item.parameter.kind.unit}".strip() + f" {item.where}")
+        return reasons
 
     @property
     def sentence(self) -> str:
@@ -203,30 +249,36 @@ class Identification(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        said = [f.sentence for check in self.checks for f in check.findings if f.level != "note"]
-        said = [warning for fit in self.fits for warning in _fit_warnings(fit)] + said
+        sentences = _check_warnings(self.checks, of_zeros=False)
+        sentences = [warning for fit in self.fits for warning in _fit_warnings(fit)] + sentences
+        # First cycles that are too strong explain the misfit: other suspects would mislead.
         if not any(map(_virgin_warning, self.fits)):  # which is the cause of the misfit
-            said = self.uncertainty.misfit + said
-        said += self.uncertainty.warnings
-        said += [f"the calibrated bearing has {sentence}" for sentence in implausible(self.bearing)]
+            sentences = self.uncertainty.misfit + sentences
+        # What was measured comes before what the residuals suggest.
+        sentences = _check_warnings(self.checks, of_zeros=True) + sentences
+        sentences += self.uncertainty.warnings
+        sentences += [
+            f"the calibrated bearing has {sentence}" for sentence in implausible(self.bearing)
+        ]
         if self.poor:
-            said.append(f"a poor fit: {'; '.join(self.poor)}")
+            sentences.append(f"this is a poor fit: {'; '.join(self.poor)}")
         if self.outcome == "not_converged":
-            said.append("the search did not converge: increase starts")
-        return said
+            sentences.append("the search did not converge; increase starts")
+        return sentences
 
     def tables(self) -> dict[str, Table]:
-        """Return tables of parameters, of the agreement with the tests, and of thermocouples."""
+        """Return tables: properties, prediction, parameters, agreement, thermocouples."""
         from thermobearing.identify import report
 
         summary = self.summary()
-        found = {
+        all_tables = {
+            "properties": properties_table(summary["properties"]),
+            "posterior": report.posterior_table(summary.get("posterior", {})),
             "parameters": report.parameters_table(summary, report.BRIEF),
             "records": report.agreement_table(summary["records"]),
             "thermocouples": report.thermocouples_table(summary["thermocouples"]),
-            "posterior": report.posterior_table(summary.get("posterior", {})),
         }
-        return {name: table for name, table in found.items() if table.rows}
+        return {name: table for name, table in all_tables.items() if table.rows}
 
     def notes(self) -> list[str]:
         """Return columns of the tests that are not used, and what the forecast says."""
@@ -243,6 +295,7 @@ class Identification(Result):
             "version": thermobearing.__version__,
             "bearing": self.bearing.name,
             "inputs": self.inputs,
+            "properties": [item.summary() for item in self.properties],
             "parameters": {
                 key: {
                     "symbol": item.parameter.kind.symbol,
@@ -268,7 +321,10 @@ class Identification(Result):
                 for item in self.sensitivity
             },
             "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
-            "suspects": [item.suspicion() for item in self.uncertainty.suspects],
+            "suspects": [
+                *(zero.suspicion(name) for name, zero in self._measured_zeros()),
+                *(item.suspicion() for item in self.uncertainty.suspects),
+            ],
             "records": [*map(_record_summary, self.fits, self.checks)],
             "poor": self.poor,
             "thermocouples": self.thermocouples,
@@ -337,54 +393,56 @@ def _record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
     }
 
 
-def _bearing_table(found: "Identification") -> dict[str, Any]:
+def _bearing_table(identification: "Identification") -> dict[str, Any]:
     """Return the fitted bearing as the table of a library file, each number with its source."""
-    bearing, tested = found.bearing, found.bearing.tested_range
-    tests = ", ".join(record.name for record in found.records)
-    fitted = "; ".join(f"{fit.record.name}: R2 = {fit.R2:.4f}" for fit in found.fits)
+    bearing, tested = identification.bearing, identification.bearing.tested_range
+    tests = ", ".join(record.name for record in identification.records)
+    fitted = "; ".join(f"{fit.record.name}: R2 = {fit.R2:.4f}" for fit in identification.fits)
     changes: dict[str, Any] = {
         "name": f"{bearing.name}-identified",
         "description": f"{bearing.description} (identified from tests)".strip(),
-        "citation": f"thermobearing {thermobearing.__version__} identify, {found.method}; {fitted}",
-        "temperature_law": _range_of_law(found),
+        "citation": f"thermobearing {thermobearing.__version__} identify, {identification.method}; "
+        f"{fitted}",
+        "temperature_law": _range_of_law(identification),
     }
-    if found.outcome == "poor_fit":
-        changes["poor_fit"] = "; ".join(found.poor)
-    sources = _sources(found, tests)
+    if identification.outcome == "poor_fit":
+        changes["poor_fit"] = "; ".join(identification.poor)
+    sources = _sources(identification, tests)
     for name in tested.ranges() if tested else ():
         sources[f"tested_range.{name}"] = (
             f"the fitted model in {tests}" if name == "lead_temperature" else f"tests {tests}"
         )
+    # Only a range that comes from these tests has them as its source.
     if changes["temperature_law"] is not bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
         sources |= dict.fromkeys(keys, "ambient temperatures of the tests; the rubber was warmer")
     return with_sources(to_table(bearing.model_copy(update=changes)), sources)
 
 
-def _range_of_law(found: "Identification") -> TemperatureLaw | None:
+def _range_of_law(identification: "Identification") -> TemperatureLaw | None:
     """Return the temperature law with the ambient temperatures of the tests as its range.
 
     Only if m_T, n_T or parameters of a registered law were free. Tests at one temperature determine
     no range; the rubber was warmer than the air, but no test shows by how much.
     """
-    law = found.bearing.temperature_law
-    if not any(map(is_of_temperature, found.uncertainty.estimates)):
+    law = identification.bearing.temperature_law
+    if not any(map(is_of_temperature, identification.uncertainty.estimates)):
         return law
-    ambients = [record.ambient for record in found.records]
+    ambients = [record.ambient for record in identification.records]
     low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)
     if law is None or not law.has_factors:
         return TemperatureLaw(coldest=low, warmest=high) if low is not None else None
     return law.model_copy(update={"coldest": low, "warmest": high})
 
 
-def _sources(found: "Identification", tests: str) -> dict[str, str]:
-    estimates, sources = found.uncertainty.estimates, found.bearing.sources
+def _sources(identification: "Identification", tests: str) -> dict[str, str]:
+    estimates, sources = identification.uncertainty.estimates, identification.bearing.sources
     for key, item in estimates.items():
-        said = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()
-        said += f" ({abs(item.stderr / item.value):.1%})" if item.value else ""
-        said = said if item.determined else f"not determined, {item.where}"
-        sources[key] = f"identified from {tests}; {said}"
-    for p in found.pset.parameters:
+        error = f"standard error {item.stderr:.2g} {item.parameter.kind.unit}".rstrip()
+        error += f" ({abs(item.stderr / item.value):.1%})" if item.value else ""
+        error = error if item.determined else f"not determined, {item.where}"
+        sources[key] = f"identified from {tests}; {error}"
+    for p in identification.pset.parameters:
         if p.tie is not None:
             sources[p.kind.key] = f"tied to {p.tie[1]:g} x {p.tie[0]}"
         else:

@@ -10,15 +10,21 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.bearing.model import Bearing, Validity
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
-from thermobearing.border.keywords import checked_keywords
-from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
+from thermobearing.identify.case import (
+    IdentifyCase,
+    IdentifyKeywords,
+    Search,
+    Test,
+    make_identify_case,
+)
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import (
     KINDS,
@@ -48,11 +54,12 @@ from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.covariance import chosen_groups, estimate
+from thermobearing.identify.uncertainty.covariance import estimate
+from thermobearing.identify.uncertainty.groups import chosen_groups
 from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 
 
-@checked_keywords
+@checked
 def identify_bearing(
     records: Sequence[Test] | Test,
     bearing: Bearing | str | Path,
@@ -67,16 +74,17 @@ def identify_bearing(
     free : keys or symbols ("K_r"), ties as "n_T = 2.4 * m_T"; by default the parameters that
         these tests can determine.
     bounds : replacements of default bounds, by key or symbol, in the unit of the parameter.
-    method : "least-squares" (bounded trust region from several starts), "krill-herd"
-        (Gandomi & Alavi 2012) or "differential-evolution"; the last two end with least
-        squares unless `polish` is False.
+    search : a function in place of the search by least squares (bounded trust region from several
+        starts). It takes the objective, a function of a point of the unit cube of the free
+        parameters, and the start, and returns the best point. Least squares follow unless `polish`
+        is False.
     seed : of all random numbers.
     starts : points that least squares starts from, 1 to 100; the first comes from the loops.
     loss : "linear", or a robust one of scipy: "soft_l1", "huber", "cauchy".
     temperatures : calibrate to the thermocouples too.
-    blind : start from the loops; False starts from the values of the bearing.
+    start_from : starting values of the free parameters: "loops", estimates from the measured
+        loops, or "bearing", the values of the bearing.
     polish : end with least squares.
-    evaluations : budget of krill herd or differential evolution, 1 to a million.
     assumed : relative standard uncertainty, 0 to 2, of values that are not identified, by dotted
         key or symbol: {"materials.side_film": 0.1}; 0 is known exactly. Others keep the default.
     accept_poor : accept a poor agreement (R2 below 0.9, a parameter near its bound).
@@ -112,13 +120,15 @@ def run_identify(case: IdentifyCase) -> Identification:
         raise InputError(refused)
     treated = [check.treatment.to_fit(check.clipped) for check in checks if check.treatment]
     records, left_out = [record for record, _ in treated], [bad for _, bad in treated]
-    case, held = _without_temperature_law(case)
+    case, temperature_warnings = _without_temperature_law(case)
     problem, start, sensitivity = _problem(case, records, left_out)
     cube, converged = search(problem, case), True
     if case.free is None:
+        # What was freed on trial, and had no effect, goes back before the costly fine steps.
         added = [item.key for item in sensitivity if item.free and not item.usual]
         problem, cube = drop_needless(problem, cube, added)
     undetermined: list[str] = []
+    # An undetermined parameter would widen the errors of the others: hold it, fit again.
     while case.polish:
         cube, converged = polished(problem, cube)
         problem, cube, keys = hold_undetermined(problem, cube)
@@ -130,13 +140,15 @@ def run_identify(case: IdentifyCase) -> Identification:
         raise InputError("the model did not complete these tests with any of the parameters tried")
     covered = _range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
-    uncertainty.warnings[:0] = [*held, *_left_open(undetermined, base)]
-    names = ("method", "seed", "starts", "loss", "temperatures", "blind", "polish", "evaluations")
-    inputs = {"start": case.bearing.name, **{name: getattr(case, name) for name in names}}
+    uncertainty.warnings[:0] = [*temperature_warnings, *_left_open(undetermined, base)]
+    method = "least-squares" if case.search is None else _name_of_search(case.search)
+    names = ("seed", "starts", "loss", "temperatures", "start_from", "polish")
+    inputs: dict[str, Any] = {"start": case.bearing.name, "method": method}
+    inputs |= {name: getattr(case, name) for name in names}
     inputs["free"] = None if case.free is None else list(case.free)
     inputs["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
     inputs["assumed"] = dict(case.assumed or {})
-    found = Identification(
+    identification = Identification(
         bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
         cube=cube,
@@ -145,7 +157,7 @@ def run_identify(case: IdentifyCase) -> Identification:
         predictions=predictions,
         uncertainty=uncertainty,
         start=start,
-        method=case.method,
+        method=method,
         evaluations=problem.evaluations,
         seconds=time.perf_counter() - begin,
         history=list(problem.history),
@@ -154,34 +166,44 @@ def run_identify(case: IdentifyCase) -> Identification:
         sensitivity=sensitivity,
         inputs=inputs,
     )
-    return replace(found, outcome="poor_fit") if found.poor and not case.accept_poor else found
+    return (
+        replace(identification, outcome="poor_fit")
+        if identification.poor and not case.accept_poor
+        else identification
+    )
+
+
+def _name_of_search(search: Search) -> str:
+    """Return the name of a function, or of the type of an object that can be called."""
+    return getattr(search, "__qualname__", type(search).__qualname__).split(".")[0]
 
 
 def _without_temperature_law(case: IdentifyCase) -> tuple[IdentifyCase, list[str]]:
     ambients = [record.ambient for record in case.records]
+    # Tests at two temperatures determine the coefficients; nothing is held.
     if not at_one_temperature(ambients):
         return case, []
     if case.free is None:
         return case, _held_coefficients(case, ambients)
     if case.one_temperature:
         return case, []
-    others, held = split_at_one_temperature(case.bearing, case.free)
-    if not held:
+    remaining, symbols = split_at_one_temperature(case.bearing, case.free)
+    if not symbols:
         return case, []
-    why = (
-        f"{' and '.join(held)} held at the value of {case.bearing.name}, because the tests are at "
-        f"{ambients[0]:g} degC only; {remedy(KINDS[M_T])}. --one-temperature "
+    reason = (
+        f"{' and '.join(symbols)} held at the values of {case.bearing.name}, because all tests are "
+        f"at {ambients[0]:.4g} degC. {remedy(KINDS[M_T])}. --one-temperature "
         "(one_temperature=True) frees them nevertheless"
     )
-    if not others:
-        raise InputError(f"free: nothing else is free; {why}")
-    return replace(case, free=others), [why]
+    if not remaining:
+        raise InputError(f"free: nothing else is free; {reason}")
+    return replace(case, free=remaining), [reason]
 
 
 def _held_coefficients(case: IdentifyCase, ambients: Sequence[float]) -> list[str]:
     """Return a sentence on coefficients that tests at one temperature leave as they are."""
-    two = (ambients[0], ambients[0] + SPAN)
-    keys = [key for key in default_free(case.bearing, two) if is_of_temperature(key)]
+    temperatures = (ambients[0], ambients[0] + SPAN)
+    keys = [key for key in default_free(case.bearing, temperatures) if is_of_temperature(key)]
     groups = {key: group for group in chosen_groups(case.assumed) for key in group.keys}
     symbols = {kind.key: kind.symbol for kind in available(case.bearing)}
     values = []
@@ -192,9 +214,9 @@ def _held_coefficients(case: IdentifyCase, ambients: Sequence[float]) -> list[st
     if not values:
         return []
     return [
-        f"{' and '.join(values)} held at the value of {case.bearing.name}, because the tests are "
-        f"at {ambients[0]:g} degC only; predictions at other temperatures are uncertain by that "
-        f"much; {remedy(KINDS[M_T])}"
+        f"{' and '.join(values)} held at the values of {case.bearing.name}, because all tests are "
+        f"at {ambients[0]:.4g} degC. Forces at other temperatures depend on them. "
+        f"{remedy(KINDS[M_T])}"
     ]
 
 
@@ -202,11 +224,11 @@ def _left_open(keys: Sequence[str], bearing: Bearing) -> list[str]:
     """Return a sentence on optional parameters that are held, since no test determines them."""
     if not keys:
         return []
-    some = [KINDS[key] for key in keys]
-    values = [f"{kind.symbol} = {dotted_value(bearing, kind.key):.4g}" for kind in some]
+    held_kinds = [KINDS[key] for key in keys]
+    values = [f"{kind.symbol} = {dotted_value(bearing, kind.key):.4g}" for kind in held_kinds]
     return [
-        f"{', '.join(values)} held at the start, because the tests do not determine "
-        f"{'it' if len(some) == 1 else 'them'}; {remedy(*some)}"
+        f"{' and '.join(values)} held, because the tests do not determine "
+        f"{'it' if len(held_kinds) == 1 else 'them'}. {remedy(*held_kinds)}"
     ]
 
 
@@ -219,7 +241,8 @@ def _problem(
 
     def _begin(free: Sequence[str] | None) -> tuple[ParameterSet, dict[str, float]]:
         pset = parameter_set(base, free, ambients, case.bounds)
-        start = loop_start(records, pset, coarse) if case.blind else pset.values(pset.start)
+        from_loops = case.start_from == "loops"
+        start = loop_start(records, pset, coarse) if from_loops else pset.values(pset.start)
         fixed = {p.kind.key for p in pset.parameters if not p.free}
         return pset.with_start({k: v for k, v in start.items() if k not in fixed}), start
 
@@ -235,12 +258,13 @@ def _problem(
     if case.free is not None:
         return problem, start, []
     groups = chosen_groups(case.assumed)
-    found = sensitivities(problem, start, groups, case.bounds)
-    free = [item.key for item in found if item.free]
-    if all(item.free == item.usual for item in found):
-        return problem, start, found
+    sensitivity = sensitivities(problem, start, groups, case.bounds)
+    free = [item.key for item in sensitivity if item.free]
+    # The usual parameters are free already: start and models can stay.
+    if all(item.free == item.usual for item in sensitivity):
+        return problem, start, sensitivity
     pset, start = _begin(free)
-    return problem.with_parameters(pset), start, found
+    return problem.with_parameters(pset), start, sensitivity
 
 
 def _range_of_tests(
@@ -256,7 +280,7 @@ def _range_of_tests(
         full = [cycle.amplitude for cycle in full_cycles(record) if not cycle.closing]
         strains += [float(size) / rubber for size in full or [record.peak_displacement]]
         speeds.append(largest_speed(record.time, record.displacement) / rubber)
-    leads = [end for found in predictions for end in found.lead or ()]
+    leads = [end for prediction in predictions for end in prediction.lead or ()]
     ends = {
         name: [float(f"{end:.5g}") for end in (min(values), max(values))]
         for name, values in (
@@ -267,5 +291,5 @@ def _range_of_tests(
         )
         if values
     }
-    most = max(cycles_in_a_row(record.time, record.displacement) for record in records)
-    return Validity(**ends, cycles=[0.0, most])
+    cycles_in_row = max(cycles_in_a_row(record.time, record.displacement) for record in records)
+    return Validity(**ends, cycles=[0.0, cycles_in_row])

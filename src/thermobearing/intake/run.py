@@ -13,8 +13,8 @@ import tomli_w
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, OutputError, printable
-from thermobearing.border.keywords import checked_keywords
 from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
@@ -80,16 +80,16 @@ class Intake:
         length = float(self.record.time[-1] - self.record.time[0])
         caption = (
             f"{self.file.name}: {form}, {comma}{self.rows} rows in {blocks}, {length:.4g} s, "
-            f"ambient {self.record.ambient:.3g} degC"
+            f"ambient {'not known' if self.record.unclear else f'{self.record.ambient:.1f} degC'}"
         )
         rows = []
         for column in self.columns:
             unit = f"{column.assumed} (assumed)" if column.assumed else column.unit
-            taken, why = column.holds if column.holds in USED else "not used", column.why
+            use, reason = column.holds if column.holds in USED else "not used", column.why
             if column.holds == "temperature":
-                taken = column.place or taken
-                why = why if column.place else "a thermocouple? state its place"
-            rows.append([printable(text) for text in (column.title, unit, taken, why)])
+                use = column.place or use
+                reason = reason if column.place else "temperature inside? state its place to use it"
+            rows.append([printable(text) for text in (column.title, unit, use, reason)])
         return Table(printable(caption), HEADS, rows, keys=len(HEADS))
 
     def summary(self) -> dict[str, Any]:
@@ -98,7 +98,7 @@ class Intake:
         return {
             "file": str(self.file),
             **{k: getattr(self, k) for k in ("sheet", "separator", "decimal", "rows", "blocks")},
-            "ambient_degC": self.record.ambient,
+            "ambient_degC": None if self.record.unclear else self.record.ambient,
             "columns": [vars(column) for column in self.columns],
             "unused_columns": list(self.record.unused),
             "findings": [vars(finding) for finding in self.report.findings],
@@ -130,6 +130,7 @@ class Intake:
         if placeless and "thermocouples" not in self.sidecar:
             lines += ["", "# [thermocouples]  # rubber 1 is the outer layer; or lead"]
         lines += [f"# {tomli_w.dumps({title: 'rubber 1'}).strip()}" for title in placeless]
+        # TOML escapes what cannot be printed; comments do not.
         marked = [printable(line) if line.startswith("#") else line for line in lines]
         return "\n".join(marked) + "\n"
 
@@ -138,17 +139,18 @@ class Intake:
         treatment = self.report.treatment
         spikes = treatment is not None and any(s.any() for s in treatment.spikes.values())
         drifting = list(treatment.drifts) if treatment is not None else []
-        which = drifting[0] if len(drifting) == 1 else "both"
+        drifting_quantity = drifting[0] if len(drifting) == 1 else "both"
         suggestions = {
             '# bearing = "..."  # geometry and materials: a name, or a file in this folder': (
                 "bearing" not in self.sidecar
             ),
             "# rest_before: pause before each block": ("blocks" in self.sidecar),
             "# ambient: not in any column; correct it": self._ambient_is_assumed,
+            '# ambient = "... degC"  # or name its column in [columns]': bool(self.record.unclear),
             "# despike = true  # remove the spikes": spikes,
-            f'# detrend = "{which}"  # take the drift out': bool(drifting),
+            f'# detrend = "{drifting_quantity}"  # take the drift out': bool(drifting),
         }
-        return [line for line, wanted in suggestions.items() if wanted]
+        return [line for line, applies in suggestions.items() if applies]
 
 
 def _seen_from(folder: Path, file: Path) -> str:
@@ -210,7 +212,7 @@ class Intakes(Result):
             "files": [item.summary() for item in self.files],
         }
 
-    @checked_keywords
+    @checked
     def save(
         self,
         directory: str | Path,
@@ -227,11 +229,12 @@ class Intakes(Result):
         check_target(Path(directory), overwrite=overwrite)
         files = self.files if write_sidecars else []
         targets = [item.file.with_suffix(".toml") for item in files]
-        there = [str(path) for path in targets if path.exists()]
-        if there or len(set(targets)) < len(targets):
-            first = there[0] if there else str(targets[0])
+        existing = [str(path) for path in targets if path.exists()]
+        if existing or len(set(targets)) < len(targets):
+            first = existing[0] if existing else str(targets[0])
             raise OutputError(f"{first}: exists; correct it, or omit --write-sidecars")
         written = super().save(directory, overwrite=overwrite, figures=figures)
+        # Without `write_sidecars` there are no targets.
         for item, path in zip(self.files, targets, strict=False):
             write_file(path, item._sidecar_text(path.parent), overwrite=False)
         return written
@@ -243,7 +246,8 @@ class Intakes(Result):
             (folder / SIDECARS / f"{name}.toml").write_text(text, encoding="utf-8")
 
 
-def take_in(
+@checked
+def inspect_files(
     files: Sequence[str | Path] | str | Path, bearing: Bearing | str | Path | None = None
 ) -> Intakes:
     r"""Inspect laboratory files: columns, units, blocks, rests, spikes, drift, ambient temperature.
@@ -271,30 +275,30 @@ def take_in(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "t.csv"
     ...     _ = file.write_text("Zeit [s];Weg;Load cell [kN]\n" + rows)
-    ...     (found,) = take_in(file).files
+    ...     (found,) = inspect_files(file).files
     >>> found.sidecar["columns"]
     {'time': 'Zeit [s]', 'displacement': 'Weg', 'force': 'Load cell [kN]'}
     >>> found.sidecar["units"], found.decimal
     ({'displacement': 'mm'}, ',')
     """
-    some = [files] if isinstance(files, str | Path) else list(files)
-    if not some:
+    paths = [files] if isinstance(files, str | Path) else list(files)
+    if not paths:
         raise InputError("give at least one file")
-    found, problems = [], []
-    for file in some:
+    intakes, problems = [], []
+    for file in paths:
         try:
-            found.append(_take_in_one(Path(file), bearing))
+            intakes.append(_inspect_file(Path(file), bearing))
         except InputError as error:
             problems += error.located(file).lines()
-    if not found:
+    if not intakes:
         raise InputError(problems)
-    return Intakes(found, problems)
+    return Intakes(intakes, problems)
 
 
 def write_template(
     path: str | Path, bearing: Bearing | str | Path | None = None, *, overwrite: bool = False
 ) -> Path:
-    """Write an Excel workbook for a laboratory to fill in, which `take_in` reads as it is.
+    """Write an Excel workbook for a laboratory to fill in, which `inspect_files` reads as it is.
 
     Its sheet "Test" has columns of time, displacement, force and temperatures of the lead and the
     rubber layers of a bearing as `history.csv` of a run has them: to the middle of the bearing (two
@@ -308,10 +312,12 @@ def write_template(
     path = Path(path)
     if path.suffix.lower() != ".xlsx":
         raise InputError(f'template "{path}": its name must end with .xlsx')
-    known = None if bearing is None else as_bearing(bearing)
-    layers = FEWEST_LAYERS if known is None else len(ModelOptions().build_stack(known).multiplicity)
+    specimen = None if bearing is None else as_bearing(bearing)
+    layers = FEWEST_LAYERS
+    if specimen is not None:
+        layers = len(ModelOptions().build_stack(specimen).multiplicity)
     places = [f"Rubber {k + 1}" for k in range(layers)]
-    places += ["Lead"] if known is None or known.lead is not None else []
+    places += ["Lead"] if specimen is None or specimen.lead is not None else []
     columns = [replace(quantity("time_s"), form=".6g")]
     columns += [quantity("displacement_mm", form=".6g"), quantity("force_kN", head="Force")]
     columns += [quantity("ambient_degC", head=place) for place in places]
@@ -334,54 +340,57 @@ def write_template(
     return path
 
 
-def _take_in_one(path: Path, bearing: Bearing | str | Path | None) -> Intake:
+def _inspect_file(path: Path, bearing: Bearing | str | Path | None) -> Intake:
     readings = read_laboratory(path)
-    found, given = readings.recognised, readings.given
+    recognised, sidecar_keys = readings.recognised, readings.given
     if len(readings.block) < FEWEST:
         rows = len(readings.block)
         raise InputError(f"has {rows} rows of numbers; at least {FEWEST} are needed", str(path))
     parts = int(readings.block[-1]) + 1
     record = build_record(readings)
-    keys = _file_keys(readings, parts) | _column_keys(found.columns)
+    keys = _file_keys(readings, parts) | _column_keys(recognised.columns)
     if readings.sidecar.flip_force:
         keys["flip_force"] = True
+    # What a sidecar states replaces what was recognised.
     for name in TABLES:
-        keys[name] = {**keys.get(name, {}), **given.get(name, {})}
-    if "ambient" in given:
+        keys[name] = {**keys.get(name, {}), **sidecar_keys.get(name, {})}
+    if "ambient" in sidecar_keys:
         keys["columns"].pop("ambient", None)
-    elif "ambient" not in keys["columns"]:
+    elif "ambient" not in keys["columns"] and not record.unclear:
         keys["ambient"] = f"{record.ambient:g} degC"
-    keys |= {key: value for key, value in given.items() if key not in TABLES}
-    name, separator = found.sheet.name, found.sheet.separator
+    keys |= {key: value for key, value in sidecar_keys.items() if key not in TABLES}
+    name, separator = recognised.sheet.name, recognised.sheet.separator
     return Intake(
-        file=found.file,
+        file=recognised.file,
         sheet=name,
         separator="" if name else SEPARATORS.get(separator, separator),
-        decimal=found.sheet.decimal,
+        decimal=recognised.sheet.decimal,
         rows=len(record.time),
         blocks=parts,
-        columns=found.columns,
+        columns=recognised.columns,
         record=record,
         report=check_test(record, bearing),
         sidecar={key: value for key, value in keys.items() if value not in ({}, None)},
         folder=readings.file.parent,
-        kept=sorted(given),
+        kept=sorted(sidecar_keys),
         ambient=readings.values.get("ambient"),
     )
 
 
 def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
     """Return the keys of a sidecar for the file: its name, its sheet, or its blocks."""
-    found, given = readings.recognised, readings.given
-    if {"file", "blocks"} & given.keys():
+    recognised, sidecar_keys = readings.recognised, readings.given
+    if {"file", "blocks"} & sidecar_keys.keys():
         return {}
-    name = found.file.name
-    if len(found.same_titles) > 1:
-        blocks: list[dict[str, Any]] = [{"file": name, "sheet": one} for one in found.same_titles]
+    name = recognised.file.name
+    if len(recognised.same_titles) > 1:
+        blocks: list[dict[str, Any]] = [
+            {"file": name, "sheet": title} for title in recognised.same_titles
+        ]
     elif readings.clock_restarts:
         blocks = [{"file": name, "part": part} for part in range(1, parts + 1)]
     else:
-        return {"file": name} | ({"sheet": found.sheet.name} if found.sheet.name else {})
+        return {"file": name} | ({"sheet": recognised.sheet.name} if recognised.sheet.name else {})
     return {"blocks": [blocks[0], *(block | {"rest_before": "0 s"} for block in blocks[1:])]}
 
 

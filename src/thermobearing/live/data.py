@@ -27,6 +27,8 @@ from thermobearing.bearing.model import (
     RubberHysteresis,
     calibration_ranges,
 )
+from thermobearing.bearing.scaling import acting_rate
+from thermobearing.bearing.state import in_state
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
@@ -73,15 +75,19 @@ CALLED = re.compile(r'kernels\.call\("([\w.]+)"')  # a kernel that the engine ca
 RUBBER = tuple(name for name in LayerLaw._fields if name in RubberHysteresis.model_fields)
 # Numbers of a bearing file that make the law of a layer, as LayerLaw has them.
 LAYERS = {"thickness": "geometry.rubber_thickness", **{k: f"hysteresis.{k}" for k in RUBBER}}
-EDITABLE = {  # tables of a bearing file whose numbers the page can change
+# Tables of a bearing file whose numbers the page can change.
+EDITABLE = {
     "geometry": (
-        "rubber_layers", "rubber_thickness", "shim_thickness", "end_plate_thickness",
+        "rubber_layers",
+        "rubber_thickness",
+        "shim_thickness",
+        "end_plate_thickness",
         "sealing_plate_thickness",
     ),
     "hysteresis": RUBBER,
     "lead": ("cores", "diameter", "stiffness", "yield_stress", "softening"),
     "rate": ("stiffness", "damping"),
-}  # fmt: skip
+}
 
 
 def live_module() -> bytes:
@@ -95,7 +101,7 @@ def live_module() -> bytes:
 
 @contextmanager
 def _built() -> Iterator[None]:
-    """Say what to run where the module is missing or does not fit."""
+    """Raise an InputError with the cure where the module is missing or does not fit."""
     if not (FOLDER / MODULE).is_file() or not (FOLDER / DESCRIPTION).is_file():
         raise InputError(BUILD)
     try:
@@ -121,9 +127,9 @@ def live_data(
     The bearings are all of the library by default; motions and structures are those of the package.
     """
     names = list_bearings() if bearings is None else bearings
-    chosen = [as_bearing(name) for name in names]
-    return engine_data([(bearing, build_model(bearing)) for bearing in chosen]) | {
-        "fields": _fields(chosen),
+    selected = [as_bearing(name) for name in names]
+    return engine_data([(bearing, build_model(bearing)) for bearing in selected]) | {
+        "fields": _fields(selected),
         "structures": {structure: structure_data(_prepared(structure))},
         "motions": {name: motion_data(load_motion(name)) for name in motions},
         "protocols": {"table-3.4": engine_steps(cyclic_test())},
@@ -137,17 +143,21 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
         if bearing.hysteresis_law is not None:
             raise InputError(f"{bearing.name}: a live page cannot have a hysteresis_law")
     with _built():
-        known = read_description(FOLDER)
-    called = sorted(set(CALLED.findall(engine_source())))
-    entries = {name: known["entries"][name] for name in called}
+        description = read_description(FOLDER)
+    kernel_names = sorted(set(CALLED.findall(engine_source())))
+    entries = {name: description["entries"][name] for name in kernel_names}
     coldest, hottest = possible_temperatures()
     return {
         "version": thermobearing.__version__,
-        "sources": known["sources"],
+        "sources": description["sources"],
         "kernels": {
             "entries": entries,
             **{  # of single runs
-                part: {name: one for name, one in known[part].items() if "Lanes" not in name}
+                part: {
+                    name: layout
+                    for name, layout in description[part].items()
+                    if "Lanes" not in name
+                }
                 for part in ("records", "rows")
             },
         },
@@ -180,7 +190,7 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
 def _tree(value: Any) -> Any:
     """Return numbers as they are, arrays as bytes with their shape, records by field."""
     if isinstance(value, tuple) and hasattr(value, "_fields"):
-        return {name: _tree(one) for name, one in zip(value._fields, value, strict=True)}
+        return {name: _tree(item) for name, item in zip(value._fields, value, strict=True)}
     if isinstance(value, np.ndarray):
         content = base64.b64encode(np.ascontiguousarray(value).tobytes()).decode("ascii")
         return {"shape": list(value.shape), "bytes": content}
@@ -190,12 +200,12 @@ def _tree(value: Any) -> Any:
 def _values(bearing: Bearing) -> dict[str, Any]:
     """Return the numbers of a bearing that the page can change, by their key in its file."""
     plan = bearing.geometry.plan
-    found = {f"geometry.plan.{name}": getattr(plan, name) for name in _plan_sizes(bearing)}
+    numbers = {f"geometry.plan.{name}": getattr(plan, name) for name in _plan_sizes(bearing)}
     for table, names in EDITABLE.items():
-        part = getattr(bearing, table)
+        part = acting_rate(bearing) if table == "rate" else getattr(bearing, table)
         if part is not None:
-            found |= {f"{table}.{name}": getattr(part, name) for name in names}
-    return found
+            numbers |= {f"{table}.{name}": getattr(part, name) for name in names}
+    return numbers
 
 
 def _plan_sizes(bearing: Bearing) -> tuple[str, ...]:
@@ -205,6 +215,7 @@ def _plan_sizes(bearing: Bearing) -> tuple[str, ...]:
 
 
 def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
+    # None stands for infinite numbers, which JSON does not have.
     law, stack, longest = bearing.temperature_law, model.stack, longest_rest_step(model.constants)
     return {
         "name": bearing.name,
@@ -232,16 +243,16 @@ def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
         "constants": _tree(model.constants),
         "longest_rest_step": float(longest) if np.isfinite(longest) else None,
         "cells": bearing.cells.model_dump(),
-        "given": _given(bearing, model),
+        "given": _fixed_numbers(bearing, model),
     }
 
 
-def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
+def _fixed_numbers(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
     """Return the plain numbers that the page cannot change, as kernels take them."""
     materials = bearing.materials
     steel, rubber, lead = materials.steel, materials.rubber, materials.lead
     face = model.options.upper_face
-    found: dict[str, Any] = {
+    numbers: dict[str, Any] = {
         "steel_conductivity": steel.conductivity / MM_PER_M,
         "steel_heat": steel.volumetric_heat,
         "rubber_conductivity": rubber.conductivity / MM_PER_M,
@@ -251,11 +262,12 @@ def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
         "film": (face.film or 0.0) / MM_PER_M**2,
         "fold": model.stack.fold,
     }
-    if bearing.scragging is not None:
-        found["scragging_strain"] = bearing.scragging.strain
+    scragging = in_state(bearing, model.options.state).scragging
+    if scragging is not None:
+        numbers["scragging_strain"] = scragging.strain
     if bearing.lead is not None and lead is not None:
         clock = lead if bearing.lead.clock == "lead" else steel
-        found |= {
+        numbers |= {
             "surface_ratio": bearing.lead.surface_ratio,
             "confined": bearing.lead.confined,
             "lead_heat": lead.volumetric_heat,
@@ -263,21 +275,21 @@ def _given(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
             "lead_sizes": _tree(lead_sizes(bearing, model.stack, EndFace(film=0.0), None)),
             "diffusivity": clock.conductivity / MM_PER_M / clock.volumetric_heat,
         }
-    return found
+    return numbers
 
 
 def _fields(bearings: Sequence[Bearing]) -> dict[str, Any]:
     """Return unit, limits and the words of `check` for each number that the page can change."""
-    found: dict[str, Any] = {}
+    fields: dict[str, Any] = {}
     for bearing in bearings:
         for path in _values(bearing):
-            if path not in found:
+            if path not in fields:
                 *tables, name = path.split(".")
                 part: Any = bearing
                 for table in tables:
                     part = getattr(part, table)
-                found[path] = field_limits(type(part), name)
-    return found
+                fields[path] = field_limits(type(part), name)
+    return fields
 
 
 @cache
@@ -290,8 +302,8 @@ def structure_data(
 ) -> dict[str, Any]:
     """Return a structure as the engine takes it, with the largest time step [s] and the method."""
     # The matrices do not depend on the bearings, of which all lines have the same.
-    nothing = build_model(as_bearing(list_bearings()[0])).constants
-    line = Line(nothing, np.zeros(len(nothing.cells.capacity)))
+    constants = build_model(as_bearing(list_bearings()[0])).constants
+    line = Line(constants, np.zeros(len(constants.cells.capacity)))
     system = build_system(prepared, [line] * len(prepared.structure.bearings))
     (pier, top, base), structure = prepared.piers[0], prepared.structure
     return {
@@ -332,10 +344,10 @@ def motion_data(motion: GroundMotion) -> dict[str, Any]:
 
 def engine_steps(test: CyclicTest) -> list[dict[str, Any]]:
     """Return the steps of a test for the engine; InputError for others than cycles and rests."""
-    found: list[dict[str, Any]] = []
+    steps: list[dict[str, Any]] = []
     for step in test.steps:
         if isinstance(step, Cycles):
-            found.append(
+            steps.append(
                 {
                     "strain": step.strain,
                     "amplitude_mm": step.amplitude,
@@ -347,7 +359,7 @@ def engine_steps(test: CyclicTest) -> list[dict[str, Any]]:
                 }
             )
         elif isinstance(step, Rest):
-            found.append({"rest_s": step.duration, "rest_within_K": step.within})
+            steps.append({"rest_s": step.duration, "rest_within_K": step.within})
         else:
             raise InputError(f'The engine of the live page has no step "{step.step}".')
-    return found
+    return steps

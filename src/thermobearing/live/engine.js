@@ -720,6 +720,7 @@ export class Engine {
     const peaks = {
       bearing_strain: most("displacement") / rubber, bearing_displacement_mm: most("displacement"), bearing_force_kN: most("force"),
       pier_ductility: hinged.length ? Math.max(...hinged) : NaN,
+      pier_moment_kN_m: hinged.length ? Math.max(...pier.piers.filter((/** @type {any} */ one) => one.hinge !== null).map((/** @type {any} */ one) => largest(/** @type {Float64Array} */ (bend("moment", one.hinge))))) / 1e3 : NaN,
       pier_displacement_mm: Math.max(...pier.piers.map((/** @type {any} */ one) => largest(along(one.moved)))),
       layer_temperature_degC: highest(temperature),
       lead_temperature_degC: constants.lead.cores > 0 ? Math.max(...each.map((b) => highest(column("lead_temperature", b)))) : NaN,

@@ -6,38 +6,50 @@ import json
 import re
 import tomllib
 from collections.abc import Iterable
+from html import escape
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from markupsafe import Markup
-
 from thermobearing.bearing.library import as_bearing, list_bearings
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import EXPONENTS
+from thermobearing.border.arguments import checked
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import field_limits
 from thermobearing.border.text_file import check_file, write_file
+from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
 from thermobearing.live.data import engine_source, live_data, live_module
-from thermobearing.model.constants import SLACK as LAW_SLACK
 from thermobearing.model.outcomes import temperature_limits
 from thermobearing.motions.record import ACCELERATION_UNITS, ASSERTED
-from thermobearing.report.html import page_environment, policy_digest
+from thermobearing.quantities.governing import SLACK_KELVIN
+from thermobearing.report.pieces import policy_digest
 from thermobearing.results.ranges import EXTREME, REST, SLACK
 
-START = "lrb-example"  # the bearing that the page opens with
+START = "shen-hdr-bridge"  # the bearing that the page opens with
+# The test that the page opens with: its rates lie inside those of the tests of START. 23 degC is
+# the reference of most published factors.
+OPENING = {"strain": 1.75, "frequency": 0.08, "count": 3, "reference": 23}
 MOTIONS = ("jra-ii-i-1", "jra-ii-ii-1", "jra-i-i-1")
 SCRIPTS = ("draw.js", "app.js")  # after the engine, each after what it imports
 STYLES = (("report-page", "page.css"), ("live", "page.css"))
 IMPORT = re.compile(r"^import .*? from .*?;\n", re.MULTILINE | re.DOTALL)
 EXPORT = re.compile(r"^export ", re.MULTILINE)
+# In the template, a word follows the tag that names it, and other values stand in double braces.
+WORDED = re.compile(r'<[^>]* data-word="(\w+)"[^>]*>')
+VALUE = re.compile(r"\{\{ (\w+) \}\}")
 EXPORTED = re.compile(r"^export (?:async )?(?:function|const|class) (\w+)", re.MULTILINE)
 
 
+@checked
 def live_page(
-    path: str | Path, bearing: Bearing | str | Path | None = None, *, overwrite: bool = False
+    path: str | Path,
+    bearing: Bearing | str | Path | None = None,
+    *,
+    overwrite: bool = False,
+    documents: str = "",
 ) -> Path:
     """Write a page in which the browser computes tests of a bearing and a bridge.
 
@@ -50,6 +62,7 @@ def live_page(
     bearing : the Bearing, library name or TOML file that the page opens with; those of the
         library can be chosen in any case.
     overwrite : replace an existing file.
+    documents : address of the documentation that the page links to, such as "../index.html".
 
     Returns
     -------
@@ -68,26 +81,33 @@ def live_page(
     """
     file = Path(path)
     check_file(file, overwrite=overwrite)  # before the page, which takes a second
-    write_file(file, page_html(bearing), overwrite=overwrite)
+    write_file(file, page_html(bearing, documents), overwrite=overwrite)
     return file
 
 
-def page_html(bearing: Bearing | str | Path | None = None) -> str:
-    """Return the live page as HTML."""
-    given = START if bearing is None else bearing
-    start = as_bearing(given)
+def page_html(bearing: Bearing | str | Path | None = None, documents: str = "") -> str:
+    """Return the live page as HTML; `documents` as of `live_page`."""
+    chosen = START if bearing is None else bearing
+    start = as_bearing(chosen)
     module = live_module()
     names = list_bearings()
     library: list[Bearing | str] = [name for name in names if name != start.name]
     data = live_data([start, *library], MOTIONS)
-    if isinstance(given, Bearing):
+    if isinstance(chosen, Bearing):
         file = start.name if start.name in names else f"{start.name}.toml"
     else:
-        file = Path(given).name  # without its folder, since pages are sent to others
-    return assemble(data, module, engine_source(), start.name, file)
+        file = Path(chosen).name  # without its folder, since pages are sent to others
+    return assemble(data, module, engine_source(), start.name, file, documents)
 
 
-def assemble(data: dict[str, Any], module: bytes, engine: str, start: str, start_file: str) -> str:
+def assemble(
+    data: dict[str, Any],
+    module: bytes,
+    engine: str,
+    start: str,
+    start_file: str,
+    documents: str = "",
+) -> str:
     """Return the page with some data, module and source of the engine.
 
     `start` names the bearing that the page opens with; `start_file` is what a command calls it.
@@ -104,34 +124,39 @@ def assemble(data: dict[str, Any], module: bytes, engine: str, start: str, start
         "start_file": start_file,
         "version": version("thermobearing"),
         "slack": SLACK,
-        "law_slack": LAW_SLACK,
+        "slack_kelvin": SLACK_KELVIN,
         "counting": {"extreme": EXTREME, "rest_s": REST},
+        "fitting": _fitting(),
         "warm_lead": limits.lead_near_melting * limits.lead_melts,
         "fields": _test_fields(),
         "scaling": EXPONENTS,
         "accelerations": ACCELERATION_UNITS,
         "peaks_gal": ASSERTED,
-        "defaults": {"strain": 1.75, "frequency": 0.5, "count": 3, "reference": 23},
+        "defaults": OPENING,
     }
-    return (
-        page_environment("live")
-        .get_template("page.html")
-        .render(
-            words=words,
-            css=Markup(css),
-            style_digest=Markup(policy_digest(css)),
-            script=Markup(script),
-            script_digest=Markup(policy_digest(script)),
-            page_data=Markup(json.dumps(page, ensure_ascii=False).replace("<", "\\u003c")),
-            engine_data=pack(json.dumps(data, separators=(",", ":")).encode()),
-            engine_module=pack(module),
-        )
+    texts = {name: escape(word["en"]) for name, word in words.items()}
+    link = (
+        f'<p><a href="{escape(documents)}" target="_top" data-word="documents"></a></p>'
+        if documents
+        else ""
     )
+    values = texts | {
+        "documents_link": WORDED.sub(lambda tag: tag[0] + texts[tag[1]], link),
+        "css": css,
+        "style_digest": policy_digest(css),
+        "script": script,
+        "script_digest": policy_digest(script),
+        "page_data": json.dumps(page, ensure_ascii=False).replace("<", "\\u003c"),
+        "engine_data": pack(json.dumps(data, separators=(",", ":")).encode()),
+        "engine_module": pack(module),
+    }
+    template = WORDED.sub(lambda tag: tag[0] + texts[tag[1]], _text("live", "page.html"))
+    return VALUE.sub(lambda place: values[place[1]], template)
 
 
 def live_script(name: str) -> str:
     """Return a script of `data/live` with the engine and the drawings, which it imports."""
-    return _bundle([engine_source(), *(_text("live", one) for one in (SCRIPTS[0], name))])
+    return _bundle([engine_source(), *(_text("live", file) for file in (SCRIPTS[0], name))])
 
 
 def _text(*parts: str) -> str:
@@ -151,6 +176,13 @@ def _bundle(modules: Iterable[str]) -> str:
 def pack(raw: bytes) -> str:
     """Return bytes as text for a page: gzip in base64, which `unpacked` of the engine reads."""
     return base64.b64encode(gzip.compress(raw, 9, mtime=0)).decode("ascii")
+
+
+def _fitting() -> dict[str, Any]:
+    """Return the strain [1] above which a bearing is too small for the bridge, and whose it is."""
+    code = read_toml(data_path("design", "provisions.toml"))["codes"][0]
+    limits = [check["limit"] for check in code["checks"] if check["measure"] == "shear_strain"]
+    return {"strain": max(limits), "code": code["title"], "bearing": START}
 
 
 def _test_fields() -> dict[str, dict[str, Any]]:

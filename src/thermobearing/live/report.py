@@ -27,14 +27,16 @@ from thermobearing.live.data import (
 from thermobearing.live.page import live_script, pack
 from thermobearing.model.options import build_model
 from thermobearing.motions.record import GroundMotion
+from thermobearing.quantities.governing import SLACK_KELVIN
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.words import degrees, plain
 from thermobearing.report.pieces import Live
-from thermobearing.report.words import degrees, plain
 from thermobearing.results.ranges import SLACK
 from thermobearing.structure.run import prepare_structure
 
 # Keys of a case that the engine knows nothing of.
-OF_TESTS = ("ambient_series", "initial", "initial_lead", "initial_profile", "initial_state")
+STARTS = ("initial", "initial_lead", "initial_profile", "initial_state", "conditioned")
+OF_TESTS = ("ambient_series", *STARTS)
 OF_BRIDGES = ("weather", "laboratory", "initial_state", "lines")
 MOST_STEPS = 100_000  # of a test, which takes some 0.3 s
 MOST_SAMPLES = 25_000  # of all motions, which take some 120 kB
@@ -66,9 +68,9 @@ def live_section(result: Any) -> Live | None:
     """
     try:
         if isinstance(result, Result):
-            return _of_test(result)
+            return _test_section(result)
         if isinstance(result, EarthquakeResult):
-            return _of_bridge(result)
+            return _bridge_section(result)
     except InputError:  # no module, a step that the engine does not have, or a motion that is gone
         pass
     return None
@@ -78,7 +80,7 @@ def _section(runs: Sequence[Mapping[str, Any]], strain: float, **content: Any) -
     """Return the section of some runs, each with the numbers of the report."""
     if not runs:
         return None
-    data = {"runs": runs, "strain": strain, "slack": SLACK, **content}
+    data = {"runs": runs, "strain": strain, "slack": SLACK, **content, "slack_kelvin": SLACK_KELVIN}
     return Live(
         runs=[run["name"] for run in runs],
         strain=strain > 0.0,
@@ -101,15 +103,15 @@ def _row(name: str, key: str, words: str = "") -> dict[str, Any]:
     }
 
 
-def _numbers(found: Mapping[str, Any]) -> dict[str, float]:
+def _numbers(values: Mapping[str, Any]) -> dict[str, float]:
     """Return the numbers of a run without NaN, which JSON does not have."""
-    return {key: float(value) for key, value in found.items() if np.isfinite(value)}
+    return {key: float(value) for key, value in values.items() if np.isfinite(value)}
 
 
 # Tests.
 
 
-def _of_test(result: Result) -> Live | None:
+def _test_section(result: Result) -> Live | None:
     table = tomllib.loads(result.dataset.attrs["case"])
     series = any(warning.startswith(GIVEN_IN_PYTHON) for warning in result.warnings)
     if series or not len(result.cycles) or any(key in table for key in OF_TESTS):
@@ -135,30 +137,30 @@ def _of_test(result: Result) -> Live | None:
 
 def _run_of_test(result: Result, case: Case, number: int) -> dict[str, Any]:
     ambient = case.ambient[number]
-    found = {"force": np.nanmax(np.abs(result["force"].values[number]))}
+    values = {"force": np.nanmax(np.abs(result["force"].values[number]))}
     cycles = largest_cycles(result.cycles[result.cycles["ambient_degC"] == ambient])
     layers = [name for name in map(str, cycles) if name.startswith("rubber")]
-    for which, place in (("last", -1), ("first", 0))[: len(cycles)]:
+    for cycle_name, place in (("last", -1), ("first", 0))[: len(cycles)]:
         row = cycles.iloc[place]
-        found |= {f"{which}.{key}": row[name] for name, key in CYCLE.items() if name in row}
-        found[f"{which}.layer_temperature"] = row[layers].max()
-    name, numbers = degrees([ambient]), _numbers(found)
+        values |= {f"{cycle_name}.{key}": row[name] for name, key in CYCLE.items() if name in row}
+        values[f"{cycle_name}.layer_temperature"] = row[layers].max()
+    name, numbers = degrees([ambient]), _numbers(values)
     return {"name": name, "bearing": case.bearing.name, "ambient": ambient, "numbers": numbers}
 
 
 def _rows_of_test() -> list[dict[str, Any]]:
     rows = [_row("bearing_force_max_kN", "force", "Largest force")]
-    for which in ("first", "last"):
+    for cycle_name in ("first", "last"):
         for name, key in (CYCLE | {"rubber_degC": "layer_temperature"}).items():
             head = "Warmest layer" if key == "layer_temperature" else quantity(name).head
-            rows.append(_row(name, f"{which}.{key}", f"{head}, {which} cycle"))
+            rows.append(_row(name, f"{cycle_name}.{key}", f"{head}, {cycle_name} cycle"))
     return rows
 
 
 # Bridges.
 
 
-def _of_bridge(result: EarthquakeResult) -> Live | None:
+def _bridge_section(result: EarthquakeResult) -> Live | None:
     table = tomllib.loads(result.dataset.attrs["case"])
     if table.get("command") != "bridge" or any(table.get(key) for key in OF_BRIDGES):
         return None
@@ -166,19 +168,19 @@ def _of_bridge(result: EarthquakeResult) -> Live | None:
     method, options = case.analysis.method, case.analysis
     if method == "predictor-corrector" or options.model == "bilinear" or case.structure.plan:
         return None
-    bearings = {one.name: one for one in case.bearings if isinstance(one, Bearing)}
+    bearings = {bearing.name: bearing for bearing in case.bearings if isinstance(bearing, Bearing)}
     motions = _motions(case)
-    models = [(one, build_model(one, options)) for one in bearings.values()]
+    models = [(bearing, build_model(bearing, options)) for bearing in bearings.values()]
     prepared = prepare_structure(case.structure, options.mass, options.damping)
     runs: list[dict[str, Any]] = []
     for number, row in enumerate(result.table.to_dict("records")):
         if row["bearing"] in bearings and row["motion"] in motions and len(runs) < MOST_RUNS:
             hottest = {f"{part}_max_degC": t for part, t in result.hottest(number).items()}
             numbers = {key: (row | hottest)[name] for name, key in PEAKS.items()}
-            about = {"bearing": row["bearing"], "motion": row["motion"]}
+            run = {"bearing": row["bearing"], "motion": row["motion"]}
             name = plain(result.run_names[number])
-            about |= {"name": name, "ambient": row["ambient_degC"], "numbers": _numbers(numbers)}
-            runs.append(about)
+            run |= {"name": name, "ambient": row["ambient_degC"], "numbers": _numbers(numbers)}
+            runs.append(run)
     return _section(
         runs,
         0.0,
@@ -194,16 +196,20 @@ def _of_bridge(result: EarthquakeResult) -> Live | None:
 
 def _motions(case: EarthquakeCase) -> dict[str, tuple[GroundMotion, float]]:
     """Return the motions as they were run, with factors, as far as a page has room for them."""
-    found = {}
+    motions = {}
     room = MOST_SAMPLES
-    for number, given in enumerate(case.motions):
-        motion = given.load()
-        _, dt, ground = build_shaking(case, number, motion)
-        steps, every = len(ground) - 1, round(motion.dt / dt)  # of a sampling interval
+    for number, case_motion in enumerate(case.motions):
+        motion = case_motion.load()
+        shaking = build_shaking(case, number, motion)
+        dt, ground = shaking.dt, shaking.ground
+        steps, steps_per_sample = len(ground) - 1, round(motion.dt / dt)  # of a sampling interval
         factor = 1.0
-        if steps % every == 0:  # the motion is not cut within an interval; its samples are shorter
-            dt, factor, ground = motion.dt, given.factor, motion.acceleration[: steps // every + 1]
+        # Unless it is cut within a sampling interval, the page gets the samples of the motion and
+        # its factor: fewer numbers than the ground at every time step.
+        if steps % steps_per_sample == 0:
+            dt, factor = motion.dt, case_motion.factor
+            ground = motion.acceleration[: steps // steps_per_sample + 1]
         room -= len(ground)
         if room >= 0:
-            found[motion.name] = (replace(motion, dt=dt, acceleration=ground), factor)
-    return found
+            motions[motion.name] = (replace(motion, dt=dt, acceleration=ground), factor)
+    return motions

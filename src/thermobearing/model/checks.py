@@ -4,21 +4,27 @@ The vertical load is an input; it changes neither force nor heat of a bearing.
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
 
-from thermobearing.bearing.model import Bearing, CircularPlan, Geometry, Plan
+from thermobearing.bearing.model import Bearing, CircularPlan, Geometry
 from thermobearing.border.library import data_path
-from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.border.toml import read_toml
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
+from thermobearing.model.axial import (
+    AxialPeak,
+    compression_constants,
+    critical_load,
+    overlap_area,
+    second_moments,
+)
 from thermobearing.model.element import BearingElement
 from thermobearing.model.outcomes import temperature_limits
-from thermobearing.quantities.governing import largest_by, place_of_least
+from thermobearing.quantities.governing import largest_by, place_of_largest, place_of_least
 
 PASSED, FAILED = "OK", "NG"
 NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
@@ -61,7 +67,9 @@ class Check:
         """OK or NG; or that there is no value, no limit, or no model for the value."""
         if math.isnan(self.value) or math.isnan(self.limit):
             return NO_VALUE if math.isnan(self.value) else NO_LIMIT
-        return PASSED if self.passed else NOT_MODELLED if self.of_model else FAILED
+        if self.passed:
+            return PASSED
+        return NOT_MODELLED if self.of_model else FAILED
 
 
 def check_rows(
@@ -79,20 +87,25 @@ def check_rows(
 
 def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
     """Return a sentence for each check that runs fail, or that the model does not cover."""
-    found: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
+    # One sentence for all runs that fail the same check, with the worst of them.
+    failures: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
     for row in rows:
         if row["verdict"] in (FAILED, NOT_MODELLED):
-            found.setdefault((row["bearing"], row["part"], row["what"]), []).append(row)
-    said = []
-    for (bearing, part, what), mine in found.items():
-        worst = largest_by(mine, lambda row: float(row["used"]))
+            failures.setdefault((row["bearing"], row["part"], row["what"]), []).append(row)
+    sentences = []
+    for (bearing, part, quantity), failed_rows in failures.items():
+        worst = largest_by(failed_rows, lambda row: float(row["used"]))
         unit = f" {worst['unit']}".removesuffix(" 1")
-        limit = f"the limit is {worst['limit']:.4g}{unit}"
-        says = worst["source"] if worst["verdict"] == NOT_MODELLED else limit
-        of = f"{bearing}, {part}" if part else bearing
-        where = f"{len(mine)} runs, most: {worst['run']}" if len(mine) > 1 else worst["run"]
-        said.append(f"{of}: {what} {worst['value']:.4g}{unit}: {says} ({where})")
-    return said
+        limit = f"the limit is {worst['limit']:.3g}{unit}"
+        reason = worst["source"] if worst["verdict"] == NOT_MODELLED else limit
+        bearing_and_part = f"{bearing}, {part}" if part else bearing
+        where = f"in {worst['run']}"
+        if len(failed_rows) > 1:
+            where = f"in {len(failed_rows)} runs; largest {where}"
+        sentences.append(
+            f"{bearing_and_part}: {quantity} {worst['value']:.3g}{unit}; {reason} ({where})"
+        )
+    return sentences
 
 
 def lead_check_rows(
@@ -103,7 +116,7 @@ def lead_check_rows(
     A run that ended because its lead melted (`melted`) has reached the melting temperature.
     """
     limits, table = temperature_limits(), read_toml(data_path("materials", "limits.toml"))
-    melting, near = limits.lead_melts, limits.lead_near_melting
+    melting, share = limits.lead_melts, limits.lead_near_melting
     value = melting if melted else hottest
     sources = [str(table[name]["source"]) for name in ("lead_melts", "lead_near_melting")]
     rows = check_rows(
@@ -111,91 +124,86 @@ def lead_check_rows(
         bearing,
         [
             Check(f"lead: melting {int(melting)} degC", value, melting, "degC", sources[0]),
-            Check(f"lead: {near:g} of melting", value, near * melting, "degC", sources[1]),
+            Check(f"lead: {share:g} of melting", value, share * melting, "degC", sources[1]),
         ],
     )
     rows[0]["verdict"] = FAILED if melted else rows[0]["verdict"]
     return rows
 
 
-@cache
-def _constants() -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the constants of bearings in compression, and the checks of the vertical load."""
-    table, _ = split_sources(read_toml(data_path("materials", "vertical.toml")))
-    return dict(table), dict(table["checks"])
+def twisted_strain(geometry: Geometry, displacement: Floats, force: Floats) -> Floats:
+    r"""Return the estimated largest shear strain in the plan of a bearing whose layers twist.
 
+    .. math::
+        \theta' = \frac{x F_\perp}{2 G J}, \quad G = \frac{F H}{A x}
 
-def overlap_area(plan: Plan, displacement: Floats) -> Floats:
-    """Return the area of a plan that still lies above itself when the top has moved [mm2].
+    The force F of the bearing has a part across the displacement x, and with it a couple about the
+    vertical that the ends, which do not turn, balance in halves. Next to them the layers twist by
+    theta' for each height of rubber, which adds to the strain x/H; G is the secant modulus, J the
+    polar second moment of area, H the total rubber thickness. The strain is largest at the rim, in
+    a rectangle at a corner. `displacement` [mm] and `force` [kN] are pairs [..., 2]; x is along the
+    `length` of a rectangle. A lead core counts as rubber.
 
-    It is (a - abs(x)) (b - abs(y)) of a rectangle, the lens of two circles of a round plan.
-    `displacement` [mm] has a number for each place, or pairs (x, y) on the last axis of two
-    dimensions; x is along the `length` of a rectangular plan.
-
-    >>> from thermobearing.bearing.model import RectangularPlan
-    >>> plan = RectangularPlan(shape="rectangular", length=400, width=300)
-    >>> overlap_area(plan, np.array([[100.0, -50.0], [500.0, 0.0]])).tolist()
-    [75000.0, 0.0]
+    >>> geometry = Geometry(
+    ...     plan={"shape": "circular", "diameter": 400}, rubber_layers=10, rubber_thickness=10,
+    ...     shim_thickness=3, end_plate_thickness=20,
+    ... )
+    >>> twisted_strain(geometry, np.array([[100.0, 0.0]]), np.array([[0.0, 50.0]])).tolist()
+    [1.5]
     """
-    moved = np.asarray(displacement, dtype=float)
-    pairs = moved if moved.ndim > 1 else np.stack([moved, np.zeros_like(moved)], axis=-1)
-    along, across = plan._sides()
+    moved, push = np.asarray(displacement, dtype=float), np.asarray(force, dtype=float)
+    plan, height = geometry.plan, geometry.total_rubber_thickness
+    distance, resultant = np.hypot(*moved.T).T, np.hypot(*push.T).T
+    couple = moved[..., 0] * push[..., 1] - moved[..., 1] * push[..., 0]
+    across = np.divide(
+        couple, distance * resultant, out=np.zeros_like(distance), where=distance * resultant > 0.0
+    )
+    # With G = F H/(A x) the force cancels: what is left of the couple is its direction.
+    polar = sum(second_moments(plan))
+    twist = across * distance**2 * plan.area / (2.0 * height * polar)
+    strain = moved / height
     if isinstance(plan, CircularPlan):
-        share = np.minimum(np.hypot(pairs[..., 0], pairs[..., 1]) / along, 1.0)
-        angle = 2.0 * np.arccos(share)
-        return np.asarray(0.25 * along**2 * (angle - np.sin(angle)))
-    left = np.maximum(np.array([along, across]) - np.abs(pairs), 0.0)
-    return np.asarray(left[..., 0] * left[..., 1])
+        return np.asarray(distance / height + np.abs(twist) * 0.5 * plan.diameter)
+    # The rim is farthest from the axis at the corners of a rectangle.
+    half_length, half_width = (0.5 * side for side in plan._sides())
+    corners = [
+        np.hypot(strain[..., 0] - twist * y, strain[..., 1] + twist * x)
+        for x in (-half_length, half_length)
+        for y in (-half_width, half_width)
+    ]
+    return np.asarray(np.max(corners, axis=0))
 
 
-def compression_modulus(geometry: Geometry, shear_modulus: float) -> float:
-    r"""Return the compression modulus E_c of a layered pad, in the unit of its shear modulus, GPa.
+TWISTED = "estimated local strain"
 
-    .. math::
-        E_c = (1 / (c G S^2) + 4 / (3 K))^{-1}
 
-    with the shape factor S of one layer, c = 6 for round and 6.73 for other plans and the bulk
-    modulus K (data/materials/vertical.toml). A lead core counts as rubber.
+def limit_keys() -> dict[str, str]:
+    """Return the keys of a file of limits of checks that have none here, by what they check."""
+    constants = compression_constants()["checks"]
+    return {constants[key]["what"]: key for key in ("stress", "overlap_stress")} | {
+        TWISTED: "local_strain"
+    }
+
+
+def with_limit(row: dict[str, Any], limit: float, source: str) -> dict[str, Any]:
+    """Return a row of `check_rows` with another limit, in its unit, and where that is from."""
+    names = ("what", "value", "unit", "least", "part", "of_model")
+    check = Check(**{name: row[name] for name in names}, limit=limit, source=source)
+    more = asdict(check) | {"used": check.used, "verdict": check.verdict}
+    return {name: more.get(name, value) for name, value in row.items()}
+
+
+def twist_check(geometry: Geometry, displacement: Floats, force: Floats, part: str = "") -> Check:
+    """Return the largest `twisted_strain` of a motion in a plane, which has no limit, as a check.
+
+    `part` is a bearing line, where there are several.
     """
-    known, _ = _constants()
-    bulk = float(str(known["bulk_modulus"]).split()[0]) / NEWTON_PER_KILONEWTON
-    round_plan = isinstance(geometry.plan, CircularPlan)
-    factor = known["compression_round" if round_plan else "compression_square"]
-    shape = geometry.first_shape_factor
-    return float(1.0 / (1.0 / (factor * shear_modulus * shape**2) + 4.0 / (3.0 * bulk)))
-
-
-def second_moments(plan: Plan) -> tuple[float, float]:
-    """Return the second moments of area of a plan about the axes along and across [mm4]."""
-    along, across = plan._sides()
-    share = math.pi / 64.0 if isinstance(plan, CircularPlan) else 1.0 / 12.0
-    return share * along * across**3, share * across * along**3
-
-
-def critical_load(geometry: Geometry, shear_modulus: float) -> float:
-    r"""Return the load at which a bearing buckles without displacement [kN].
-
-    .. math::
-        P_{cr} = \frac{P_S}{2} \left(\sqrt{1 + 4 P_E / P_S} - 1\right), \quad
-        P_S = G A \frac{h}{T_r}, \quad P_E = \frac{\pi^2}{h^2} \frac{E_c I}{3} \frac{h}{T_r}
-
-    of Haringx's column, with both ends held against rotation, between the end plates (height h of
-    rubber and shims, T_r of rubber), about the weaker axis; `shear_modulus` is the secant modulus
-    of the rubber [GPa].
-
-    >>> import thermobearing as tb
-    >>> geometry = tb.load_bearing("shen-hdr-bridge").geometry
-    >>> 9e3 < critical_load(geometry, 1e-3) < 10e3
-    True
-    """
-    rubber = geometry.total_rubber_thickness
-    height = rubber + (geometry.rubber_layers - 1) * geometry.shim_thickness
-    height += 2.0 * geometry.sealing_plate_thickness
-    stretch = height / rubber
-    bending = compression_modulus(geometry, shear_modulus) * min(second_moments(geometry.plan))
-    euler = (math.pi / height) ** 2 * bending / 3.0 * stretch
-    shear = shear_modulus * geometry.plan.area * stretch
-    return 0.5 * shear * (math.sqrt(1.0 + 4.0 * euler / shear) - 1.0)
+    local = twisted_strain(geometry, displacement, force)
+    place = place_of_largest(local)
+    nominal = float(np.hypot(*displacement[place])) / geometry.total_rubber_thickness
+    ratio = float(local[place]) / nominal if nominal > 0.0 else 1.0
+    source = f"twist of the layers, {ratio:.2f} times the nominal strain of {nominal:.0%}"
+    return Check(TWISTED, float(local[place]), math.nan, "1", source, part=part)
 
 
 def secant_stiffness(element: BearingElement, height: float) -> float:
@@ -241,27 +249,27 @@ def vertical_checks(
     Tension is outside the model: the only row then says so. There are no rows for a bearing of
     unknown plan (None), such as a bilinear one. `part` is a bearing line, where there are several.
     """
-    known = _constants()[1]
+    table = compression_constants()["checks"]
     if axial_force < 0.0:
-        row = known["tension"]
-        about: dict[str, Any] = {"least": True, "part": part, "of_model": True}
-        return [Check(row["what"], axial_force, 0.0, "kN", row["source"], **about)]
+        row = table["tension"]
+        options: dict[str, Any] = {"least": True, "part": part, "of_model": True}
+        return [Check(row["what"], axial_force, 0.0, "kN", row["source"], **options)]
     if bearing is None:
         return []
     plan = bearing.geometry.plan
     areas = overlap_area(plan, displacement)
     place = place_of_least(areas)
-    least, moved = float(areas[place]), float(np.linalg.norm(displacement[place]))
+    least, travel = float(areas[place]), float(np.linalg.norm(displacement[place]))
     degrees = max(temperature, bearing.hysteresis.reference_temperature)
     modulus = checked_modulus(bearing, temperature)
-    critical = critical_load(bearing.geometry, modulus)
-    given = {"modulus": f"{NEWTON_PER_KILONEWTON * modulus:.3g} MPa at {degrees:g} degC"}
-    given["overlap"] = f"{100.0 * least / plan.area:.0f} % at {moved:.0f} mm"
+    critical = critical_load(bearing.geometry, modulus, bearing.lead)
+    conditions = {"modulus": f"{NEWTON_PER_KILONEWTON * modulus:.3g} MPa at {degrees:g} degC"}
+    conditions["overlap"] = f"{100.0 * least / plan.area:.0f} % at {travel:.0f} mm"
 
     def _row(name: str, value: float, limit: float, unit: str) -> Check:
-        one = known[name]
-        source, unverified = one["source"].format(**given), bool(one.get("unverified"))
-        return Check(one["what"], value, limit, unit, source, part=part, unverified=unverified)
+        entry = table[name]
+        source, unverified = entry["source"].format(**conditions), bool(entry.get("unverified"))
+        return Check(entry["what"], value, limit, unit, source, part=part, unverified=unverified)
 
     force = axial_force * NEWTON_PER_KILONEWTON
     on_overlap = force / least if least > 0.0 else math.inf
@@ -270,4 +278,25 @@ def vertical_checks(
         _row("overlap_stress", on_overlap, math.nan, "MPa"),
         _row("critical", axial_force, critical, "kN"),
         _row("reduced", axial_force, critical * least / plan.area, "kN"),
+    ]
+
+
+def axial_checks(peaks: Mapping[str, AxialPeak], part: str = "") -> list[Check]:
+    """Return the checks of an axial force that acted in an analysis.
+
+    `peaks` are its largest shares of the critical load, "analysis", and of the tension at which the
+    rubber cavitates, "cavitation". `part` is a bearing line, where there are several.
+    """
+    table = compression_constants()["checks"]
+    return [
+        Check(
+            table[name]["what"],
+            peak.force,
+            peak.limit,
+            "kN",
+            table[name]["source"].format(moment=peak.time),
+            part=part,
+            unverified=bool(table[name]["unverified"]),
+        )
+        for name, peak in peaks.items()
     ]

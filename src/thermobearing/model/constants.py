@@ -16,6 +16,7 @@ from thermobearing.bearing.model import (
     TemperatureLaw,
     calibration_ranges,
 )
+from thermobearing.bearing.scaling import acting_rate
 from thermobearing.border.units import parse_quantity
 from thermobearing.core.numbers import (
     CoreSizes,
@@ -48,8 +49,8 @@ from thermobearing.model.stack import (
     conservative_rates,
     published_rates,
 )
+from thermobearing.quantities.governing import SLACK_KELVIN, place_words
 
-SLACK = 0.1  # beyond the range: below measurement accuracy [K]
 COLDER = -1e30  # lower bound of the first piece [degC]
 SOFTENING_LEAD = "softening-lead"  # the law of lead beyond its tests, unless a bearing states E2
 
@@ -62,60 +63,81 @@ def _law_pieces(law: TemperatureLaw | None) -> Rows[LawPiece]:
 
     if law.law is None:
         at = np.array(law.temperatures)
-        both = [np.log(np.array(factors)) for factors in (law.elastic, law.hysteretic)]
-        cubics = [PchipInterpolator(at, values) for values in both]
+        columns = (law.elastic, law.hysteretic, law.viscosity)
+        logs = np.log(np.array([column or [1.0] * len(at) for column in columns])).T
+        cubics = [PchipInterpolator(at, values) for values in logs.T]
     else:
-        known = find_law(law.law, "temperature")
-        at, logs, slopes = tabulate(known, known.values(law.parameters))
-        both = list(logs.T)
+        registered = find_law(law.law, "temperature")
+        at, logs, slopes = tabulate(registered, registered.values(law.parameters))
+        # A registered law has factors on the two stiffness terms, none on the viscosity.
+        viscosity = np.zeros(len(at))
+        logs, slopes = np.column_stack([logs, viscosity]), np.column_stack([slopes, viscosity])
         cubics = [CubicHermiteSpline(at, *pair) for pair in zip(logs.T, slopes.T, strict=True)]
+    # Below and above the table the slopes at its ends go on.
     coefficients = []
-    for values, cubic in zip(both, cubics, strict=True):
+    for values, cubic in zip(logs.T, cubics, strict=True):
         ends = cubic.derivative()(at[[0, -1]])
         zero = np.zeros(2)
         lines = np.array([zero, zero, ends, values[[0, -1]]])
+        # scipy has the highest power first, `LawPiece` the lowest.
         coefficients.append(np.column_stack([lines[:, :1], cubic.c, lines[:, 1:]])[::-1])
-    elastic, hysteretic = coefficients
+    elastic, hysteretic, viscous = coefficients
     return filled(
         LawPiece,
         lowest=np.array([COLDER, *at]),
         origin=np.array([at[0], *at]),
         **{f"elastic_{k}": elastic[k] for k in range(4)},
         **{f"hysteretic_{k}": hysteretic[k] for k in range(4)},
+        **{f"viscous_{k}": viscous[k] for k in range(4)},
     )
 
 
+LAW_RANGE = "temperature_law.coldest"  # key of the source of the range of a temperature law
+
+
 def outside_law(
-    name: str, law: TemperatureLaw | None, runs: Iterable[tuple[str, Floats, Floats]]
+    name: str,
+    law: TemperatureLaw | None,
+    runs: Iterable[tuple[str, Floats, Floats]],
+    source: str = "",
 ) -> list[str]:
     """Return a warning if rubber left the range in which its temperature law was identified.
 
     `name`: of the bearing; `law`: its temperature law; `runs`: for each its label, times [s]
     and layer temperatures [degC], a row a time. A run with several bearings has one entry for each,
-    under the same name, and counts once.
+    under the same name, and counts once. `source`: of the range, named where it is borrowed.
     """
     if law is None or law.range is None:
         return []
     low, high = law.range
     coldest, warmest, longest, worst = np.inf, -np.inf, 0.0, ""
-    left: set[str] = set()
+    outside_runs: set[str] = set()
+    labels: set[str] = set()
     for label, time, layers in runs:
-        out = ((layers < low - SLACK) | (layers > high + SLACK)).any(axis=1)
+        labels.add(label)
+        # So little beyond the tested temperatures hardly changes the stiffness.
+        out = ((layers < low - SLACK_KELVIN) | (layers > high + SLACK_KELVIN)).any(axis=1)
         if not out.any():
             continue
-        left.add(label)
+        outside_runs.add(label)
         coldest = min(coldest, float(np.nanmin(layers)))
         warmest = max(warmest, float(np.nanmax(layers)))
+        # Each sample stands for the time since the one before.
         seconds = float(np.diff(time, prepend=time[0])[out].sum())
         if seconds >= longest:
             longest, worst = seconds, label
-    if not left:
+    if not outside_runs:
         return []
-    runs_left = "1 run" if len(left) == 1 else f"{len(left)} runs"
+    beyond = []
+    if coldest < low - SLACK_KELVIN:
+        beyond.append(f"{coldest:.1f} degC, {low - coldest:.0f} K below")
+    if warmest > high + SLACK_KELVIN:
+        beyond.append(f"{warmest:.1f} degC, {warmest - high:.0f} K above")
+    place = place_words(len(outside_runs), len(labels), worst, "longest")
+    borrowed = f", {source.split(';')[0]}" if source.startswith("borrowed") else ""
     return [
-        f"{name}: the temperature law was identified at {low:g} to {high:g} degC and is "
-        f"extrapolated in {runs_left}, where rubber layers reach {coldest:.1f} to {warmest:.1f} "
-        f"degC, outside for at most {longest:.3g} s ({worst})"
+        f"{name}: rubber reaches {' and '.join(beyond)} the range of the temperature law, "
+        f"{low:g} to {high:g} degC{borrowed} ({longest:.3g} s; {place})"
     ]
 
 
@@ -194,6 +216,7 @@ def with_parameters(
     lead = lead._replace(clock_rate=constants.lead.clock_rate)  # keep the chosen clock
     if only_tests:
         lead = lead._replace(softening_beyond=lead.softening)
+    # Of temperature laws only a registered one has parameters that may have changed.
     return constants._replace(
         rubber=_rubber(bearing, *choices),
         lead=lead,
@@ -231,9 +254,9 @@ def _lead(
 ) -> tuple[Lead, Floats, Floats]:
     """Return constants of the lead cores, and conductances to each cell: ends, sides (5.1-5.7)."""
     nothing = np.zeros(len(stack.part))
-    given, material = bearing.lead, bearing.materials.lead
-    if given is None or material is None:
-        none = Lead(
+    lead_cores, material = bearing.lead, bearing.materials.lead
+    if lead_cores is None or material is None:
+        no_lead = Lead(
             cores=0.0,
             stiffness=1.0,
             strength=0.0,
@@ -248,32 +271,33 @@ def _lead(
             fold=float(stack.fold),
             published=published,
         )
-        return none, nothing, nothing
+        return no_lead, nothing, nothing
     steel = bearing.materials.steel
     conductivity = steel.conductivity / MM_PER_M
-    medium = steel if lead_clock(given, published=published, chosen=clock) == "steel" else material
+    clock_material = lead_clock(lead_cores, published=published, chosen=clock)
+    medium = steel if clock_material == "steel" else material
     diffusivity = medium.conductivity / MM_PER_M / medium.volumetric_heat
     core = CoreSizes(
-        cores=given.cores,
-        diameter=given.diameter,
-        yield_stress=given.yield_stress,
-        surface_ratio=given.surface_ratio,
-        confined=given.confined,
+        cores=lead_cores.cores,
+        diameter=lead_cores.diameter,
+        yield_stress=lead_cores.yield_stress,
+        surface_ratio=lead_cores.surface_ratio,
+        confined=lead_cores.confined,
         volumetric_heat=material.volumetric_heat,
         steel_conductivity=conductivity,
         diffusivity=diffusivity,
     )
     end, side = np.zeros((2, len(stack.part)))
     touching = stack.touches_lead_end
-    found = lead_numbers(core, stack.codes, stack.beside_lead, touching, stack.fold, end, side)
-    strength, capacity, clock_rate, one_end, sides = found
+    numbers = lead_numbers(core, stack.codes, stack.beside_lead, touching, stack.fold, end, side)
+    strength, capacity, clock_rate, one_end, sides = numbers
     lead = Lead(
-        cores=float(given.cores),
-        stiffness=given.stiffness,
+        cores=float(lead_cores.cores),
+        stiffness=lead_cores.stiffness,
         strength=strength,
-        softening=given.softening,
-        softening_beyond=softening_beyond_tests(given),
-        reference_temperature=given.reference_temperature,
+        softening=lead_cores.softening,
+        softening_beyond=softening_beyond_tests(lead_cores),
+        reference_temperature=lead_cores.reference_temperature,
         warmest_tested=warmest_tested_lead(bearing),
         capacity=capacity,
         clock_rate=clock_rate,
@@ -287,12 +311,13 @@ def _lead(
 
 def _viscous(bearing: Bearing, *, heats: bool) -> Viscous:
     """Return the rate-dependent branch; Shen (2023) excludes its work from the heat."""
-    if bearing.rate is None:
+    branch = acting_rate(bearing)
+    if branch is None:
         return Viscous(0.0, 1.0, heats)
-    return Viscous(bearing.rate.stiffness, bearing.rate.damping / bearing.rate.stiffness, heats)
+    return Viscous(branch.stiffness, branch.damping / branch.stiffness, heats)
 
 
-def _own_law(bearing: Bearing) -> dict[str, Any]:
+def _user_law_numbers(bearing: Bearing) -> dict[str, Any]:
     """Return the numbers of a registered law of hysteresis, by field of `Rubber`."""
     if bearing.hysteresis_law is None:
         return {}
@@ -339,5 +364,5 @@ def _rubber(bearing: Bearing, integrator: int, monotone: bool, closed_loops: boo
         mullins_renewal=virgin.mullins_renewal,
         sharing_start=SHARING_START,
         sharing_full=SHARING_FULL,
-        **_own_law(bearing),
+        **_user_law_numbers(bearing),
     )

@@ -53,6 +53,19 @@ class BilinearParameters:
     post_yield: float  # K_2 [kN/mm]
     initial: float  # K_1 [kN/mm]
 
+    @property
+    def yield_force(self) -> float:
+        """The force Q_y at the yield displacement [kN]."""
+        return self.strength * self.initial / (self.initial - self.post_yield)
+
+    def energy(self, amplitude: float) -> float:
+        """Return the energy of a cycle of some amplitude [mm], 4 Q_d (u - u_y) [kN mm].
+
+        It is zero below the yield displacement u_y = Q_d/(K_1 - K_2).
+        """
+        elastic = self.strength / (self.initial - self.post_yield)
+        return 4.0 * self.strength * max(amplitude - elastic, 0.0)
+
 
 def _adiabatic(constants: Constants) -> Constants:
     """Adiabatic rise of the rubber, T = (1/(rho c V)) int F du.
@@ -94,27 +107,30 @@ def _lumped_with_losses(constants: Constants, bearing: Bearing, stack: Stack) ->
     here is assumed (Eq. 4.34 at the single temperature); heat leaves through half an outer rubber
     layer and the plates beyond it to a face at ambient temperature, and through the sides.
     """
-    one = _lumped(constants, stack)
+    lumped = _lumped(constants, stack)
     g, m = bearing.geometry, bearing.materials
+    # In series from the middle of an outer layer to the face, which is at ambient temperature.
     plates = (g.end_plate_thickness + g.sealing_plate_thickness) / m.steel.conductivity
     resistance = MM_PER_M * (0.5 * g.rubber_thickness / m.rubber.conductivity + plates)
     height = g.total_rubber_thickness + (g.rubber_layers - 1) * g.shim_thickness
-    capacity = one.cells.capacity[0]
-    one.cells.end_loss[:] = 2.0 * bearing.area / resistance / capacity
-    one.cells.side_loss[:] = stack.side_film * stack.perimeter * height / capacity
-    return one
+    capacity = lumped.cells.capacity[0]
+    lumped.cells.end_loss[:] = 2.0 * bearing.area / resistance / capacity
+    lumped.cells.side_loss[:] = stack.side_film * stack.perimeter * height / capacity
+    return lumped
 
 
 def _lone_cell(capacity: float, beside_lead: float) -> Cells:
     """Return a single cell that exchanges no heat."""
-    none = [np.zeros(1) for _ in Cells._fields]
-    return Cells(*none)._replace(capacity=np.array([capacity]), beside_lead=np.array([beside_lead]))
+    zeros = [np.zeros(1) for _ in Cells._fields]
+    return Cells(*zeros)._replace(
+        capacity=np.array([capacity]), beside_lead=np.array([beside_lead])
+    )
 
 
 def _unexchanging(cells: Cells) -> Cells:
     """Return the same cells, without heat exchange between each other and with the ambient."""
-    none = np.zeros_like(cells.capacity)
-    return cells._replace(to_previous=none, to_next=none, end_loss=none, side_loss=none)
+    zeros = np.zeros_like(cells.capacity)
+    return cells._replace(to_previous=zeros, to_next=zeros, end_loss=zeros, side_loss=zeros)
 
 
 def _one_cell(layers: int) -> Rows[LayerCells]:
@@ -221,6 +237,12 @@ def isothermal(constants: Constants) -> Constants:
     cells = _unexchanging(constants.cells)
     cells = cells._replace(capacity=cells.capacity * UNCHANGING)
     return constants._replace(cells=cells, source_rise=constants.source_rise / UNCHANGING)
+
+
+def without_heating(constants: Constants) -> Constants:
+    """Return the constants of a bearing that stays at its temperature, its lead too."""
+    lead = constants.lead._replace(capacity=constants.lead.capacity * UNCHANGING)
+    return isothermal(constants)._replace(lead=lead)
 
 
 def models_that_fit(bearing: Bearing) -> list[Model]:

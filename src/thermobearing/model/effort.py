@@ -62,8 +62,8 @@ def too_many(table: Mapping[str, Any]) -> list[str]:
     []
     """
     return [
-        f"{key}: {len(table[key])} entries; at most {most}, since the histories of all runs are "
+        f"{key}: {len(table[key])} entries; at most {limit}, since the histories of all runs are "
         "stored; for very many runs use `thermobearing study`, which does not store them"
-        for key, most in MOST_OF.items()
-        if isinstance(table.get(key), list | tuple) and len(table[key]) > most
+        for key, limit in MOST_OF.items()
+        if isinstance(table.get(key), list | tuple) and len(table[key]) > limit
     ]

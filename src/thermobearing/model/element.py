@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, shortened
-from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, short_repr
 from thermobearing.border.schema import validated
 from thermobearing.border.units import HUGEST, is_number, number_list, refuse_hidden
 from thermobearing.core.compiled.kernel import prepare
@@ -76,7 +76,7 @@ class BearingElement:
         "closed" and hardening "monotone".
     model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear",
         whose constants `from_constants` takes; "multi-layer" by default.
-    options : fields of `ModelOptions`, such as scheme or lead_ends.
+    exposure, state : fields of `ModelOptions`, in place of those of `model`.
 
     Raises
     ------
@@ -96,7 +96,7 @@ class BearingElement:
     ((2,), (2, 2))
     """
 
-    @checked_keywords
+    @checked
     def __init__(
         self,
         bearing: Bearing | str | Path,
@@ -119,6 +119,7 @@ class BearingElement:
         self._start_from(constants, ambient, initial, initial_lead, components)
 
     @classmethod
+    @checked
     def from_constants(
         cls,
         constants: Constants,
@@ -160,10 +161,10 @@ class BearingElement:
     ) -> None:
         """Allocate the states at the start."""
         if components not in (1, 2):
-            raise InputError(f"components = {shortened(repr(components))}: must be 1 or 2")
+            raise InputError(f"components = {short_repr(components)}: must be 1 or 2")
         lacking = line_only_options(constants) if components == 2 else []
         if lacking:
-            raise InputError([f"components = 2: not with {one}" for one in lacking])
+            raise InputError([f"components = 2: not with {option}" for option in lacking])
         self._ambient = float(check_temperature(ambient, "ambient"))
         if initial_lead is not None:
             initial_lead = float(check_temperature(initial_lead, "initial_lead"))
@@ -171,10 +172,11 @@ class BearingElement:
             start = begun_from(initial, constants, initial_lead, components)
         else:
             cells = len(constants.cells.capacity)
-            given = ambient if initial is None else initial
+            temperature = ambient if initial is None else initial
             start = new_state(
-                constants, _of_cells("initial", given, cells), initial_lead, components
+                constants, _of_cells("initial", temperature, cells), initial_lead, components
             )
+        # Three states: where it began, the last commit, and the trial that a step writes.
         self._constants = constants
         self._work = new_workspace(constants, components)
         self._start = start
@@ -205,6 +207,7 @@ class BearingElement:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Refuse a law of a user from another process, where its address means nothing."""
+        # Addresses of compiled functions are those of the process that made them.
         vars(self).update(state)
         if self._constants.rubber.law != 0 and state["_process"] != os.getpid():
             raise InputError("an element with a hysteresis_law cannot move to another process")
@@ -239,7 +242,7 @@ class BearingElement:
     def __repr__(self) -> str:
         books = self._committed.books
         at, force = (
-            ", ".join(f"{one:g}" for one in np.atleast_1d(books[name][0]))
+            ", ".join(f"{component:g}" for component in np.atleast_1d(books[name][0]))
             for name in ("displacement", "force")
         )
         return (
@@ -275,14 +278,14 @@ class BearingElement:
         InputError : not a number or a pair of numbers, a step that is not positive, an ambient
             temperature out of range.
         """
-        around = self._ambient
+        air = self._ambient
         at, dt = _numbers("x", "mm", x, self.components), _step_length(dt)
         if ambient is not None:
-            around = float(check_temperature(ambient, "set_trial(): ambient"))
-        *found, outcome = self._run_step(*at, dt, around)
+            air = float(check_temperature(ambient, "set_trial(): ambient"))
+        *response, outcome = self._run_step(*at, dt, air)
         if len(at) == 1:
-            return Trial(found[0], found[1], self._note(outcome))
-        numbers = np.array(found)
+            return Trial(response[0], response[1], self._note(outcome))
+        numbers = np.array(response)
         return PlaneTrial(numbers[:2], numbers[2:].reshape(2, 2), self._note(outcome))
 
     def _note(self, outcome: int) -> str:
@@ -322,8 +325,8 @@ class BearingElement:
 
     def __copy__(self) -> Self:
         """Return an independent element with copies of the states."""
-        twin: Self = copy.deepcopy(self)
-        return twin
+        duplicate: Self = copy.deepcopy(self)
+        return duplicate
 
     def restore(self, saved: State) -> None:
         """Continue from a state that `save` returned.
@@ -332,10 +335,10 @@ class BearingElement:
         ------
         InputError : no state, or one of another bearing.
         """
-        own = self._committed
+        committed = self._committed
         if (
             not isinstance(saved, State)
-            or saved.temperature.shape != own.temperature.shape
+            or saved.temperature.shape != committed.temperature.shape
             or count_components(saved) != self.components
         ):
             raise InputError("restore(): needs a state that save() of this bearing returned")
@@ -376,11 +379,12 @@ class BearingElements:
     (array([281., 222., 165.]), (3,))
     """
 
+    @checked
     def __init__(self, elements: Sequence[BearingElement]) -> None:
         self.elements = [*elements]
-        if not elements or len({id(one) for one in elements}) < len(elements):
+        if not elements or len({id(element) for element in elements}) < len(elements):
             raise InputError("BearingElements(): needs one element or more, each of them once")
-        if any(one.components > 1 for one in elements):
+        if any(element.components > 1 for element in elements):
             raise InputError("BearingElements(): takes elements with one component only")
 
     def set_trial(
@@ -406,15 +410,16 @@ class BearingElements:
         InputError : not one number for each bearing, or a number that one element refuses.
         """
         goals, dt = _row("x", x, len(self.elements)), _step_length(dt)
-        air = [one.ambient for one in self.elements]
+        air = [element.ambient for element in self.elements]
         if ambient is not None:
             air = _row("ambient", ambient, len(air))
+            # If both ends are in the range, all are.
             for extreme in (min(air), max(air)):
                 check_temperature(extreme, "set_trial(): ambient")
         force, tangent, outcomes = np.empty(len(air)), np.empty(len(air)), []
-        for k, one in enumerate(self.elements):
-            force[k], tangent[k], outcome = one._run_step(goals[k], dt, air[k])
-            outcomes.append(one._note(outcome))
+        for k, element in enumerate(self.elements):
+            force[k], tangent[k], outcome = element._run_step(goals[k], dt, air[k])
+            outcomes.append(element._note(outcome))
         return Trials(force, tangent, tuple(outcomes))
 
     def commit(self) -> None:
@@ -424,18 +429,19 @@ class BearingElements:
         ------
         InputError : one trial did not complete; no committed state is changed.
         """
-        for one in self.elements:
-            one._check_trial()
-        for one in self.elements:
-            one._accept()
+        # All are checked before one is changed.
+        for element in self.elements:
+            element._check_trial()
+        for element in self.elements:
+            element._accept()
 
     def revert_to_start(self) -> None:
         """Reset all bearings to their initial states."""
-        for one in self.elements:
-            one.revert_to_start()
+        for element in self.elements:
+            element.revert_to_start()
 
 
-@checked_keywords
+@checked
 def element(
     bearing: Bearing | str | Path,
     ambient: float = DEFAULT_AMBIENT,
@@ -452,8 +458,8 @@ def element(
     ----------
     bearing : a Bearing, a library name, or a TOML file.
     ambient : ambient temperature, also of the bearing at the start [degC], in [-100, 100].
-    initial, initial_lead, components, model, options : as of `BearingElement`; two components
-        are for a bearing that moves in a plane.
+    initial, initial_lead, components, model, exposure, state : as of `BearingElement`; two
+        components are for a bearing that moves in a plane.
 
     Raises
     ------
@@ -488,9 +494,7 @@ def _number(key: str, unit: str, value: Any) -> float:
     if type(value) is float:
         return value
     if not is_number(value):
-        raise InputError(
-            f"set_trial(): {key} = {shortened(repr(value))}: must be a number of {unit}"
-        )
+        raise InputError(f"set_trial(): {key} = {short_repr(value)}: must be a number of {unit}")
     return float(value)
 
 
@@ -506,10 +510,10 @@ def _step_length(dt: Any) -> float:
 
 def _row(key: str, values: Any, count: int) -> list[float]:
     """Return one number for each bearing; a single one stands for all."""
-    found = number_list(values, f"set_trial(): {key}")
-    if found.shape not in ((1,), (count,)):
-        raise InputError(f"set_trial(): {key}: has {found.size} numbers for {count} bearings")
-    row: list[float] = np.broadcast_to(found, count).tolist()
+    numbers = number_list(values, f"set_trial(): {key}")
+    if numbers.shape not in ((1,), (count,)):
+        raise InputError(f"set_trial(): {key}: has {numbers.size} numbers for {count} bearings")
+    row: list[float] = np.broadcast_to(numbers, count).tolist()
     return row
 
 
@@ -517,27 +521,26 @@ def _numbers(key: str, unit: str, value: Any, components: int) -> list[float]:
     """Return a number or a pair of numbers as floats."""
     if components == 1:
         return [_number(key, unit, value)]
-    found: list[float] = number_list(value, f"set_trial(): {key}").tolist()
-    if len(found) != components:
+    pair: list[float] = number_list(value, f"set_trial(): {key}").tolist()
+    if len(pair) != components:
         raise InputError(
-            f"set_trial(): {key} = {shortened(repr(value))}: must be a pair (x, y) in {unit}, "
+            f"set_trial(): {key} = {short_repr(value)}: must be a pair (x, y) in {unit}, "
             "because the element has two components"
         )
-    return found
+    return pair
 
 
 def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
     """Return the temperature of each cell [degC]."""
     refuse_hidden(temperature, key)
     try:
-        given = np.asarray(temperature, dtype=np.float64)
+        temperatures = np.asarray(temperature, dtype=np.float64)
     except (TypeError, ValueError):
         raise InputError(
-            f"{key} = {shortened(repr(temperature))}: must be numbers in degC, or a state "
-            "(tb.end_state)"
+            f"{key} = {short_repr(temperature)}: must be numbers in degC, or a state (tb.end_state)"
         ) from None
-    if given.ndim and given.shape != (cells,):
-        raise InputError(f"{key}: has {given.size} numbers, but the stack has {cells} cells")
-    for value in (given.min(), given.max()):
+    if temperatures.ndim and temperatures.shape != (cells,):
+        raise InputError(f"{key}: has {temperatures.size} numbers, but the stack has {cells} cells")
+    for value in (temperatures.min(), temperatures.max()):
         check_temperature(float(value), key)
-    return np.full(cells, given)
+    return np.full(cells, temperatures)

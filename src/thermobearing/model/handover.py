@@ -128,10 +128,11 @@ class SpecimenState(Strict):
     turn_hysteretic: Annotated[list[Length], Many] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        lacking = [name for name in MEMORY if name not in given]
-        turns = [name for name in OF_LOOPS if name not in given]
-        if len(lacking) == len(MEMORY) and "across" not in given:
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        lacking = [name for name in MEMORY if name not in values]
+        turns = [name for name in OF_LOOPS if name not in values]
+        # Temperatures alone are a state too: of a bearing that has not moved.
+        if len(lacking) == len(MEMORY) and "across" not in values:
             lacking = []
         if 0 < len(turns) < len(OF_LOOPS):
             lacking += turns
@@ -168,60 +169,66 @@ def state_memory(state: State) -> dict[str, Any]:
 
     In a plane those of `ACROSS` have both components as their last axis.
     """
-    found: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
-    found |= {key: state.branches[name][0].copy() for key, name in BRANCHES.items()}
-    found |= {name: state.books[name][0].copy() for name in BOOKS}
+    memory: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
+    memory |= {key: state.branches[name][0].copy() for key, name in BRANCHES.items()}
+    memory |= {name: state.books[name][0].copy() for name in BOOKS}
     if state.turns.shape[1]:
-        found[COUNT] = state.layers["turns"].astype(int)
-        used = np.arange(DEPTH) < found[COUNT][:, np.newaxis]
-        found |= {key: (used * state.turns[name][:, :DEPTH]).ravel() for key, name in TURNS.items()}
-    return found | {ENDS: state.ends.copy()}
+        memory[COUNT] = state.layers["turns"].astype(int)
+        # Entries beyond the count are left from earlier motions.
+        used = np.arange(DEPTH) < memory[COUNT][:, np.newaxis]
+        memory |= {
+            key: (used * state.turns[name][:, :DEPTH]).ravel() for key, name in TURNS.items()
+        }
+    return memory | {ENDS: state.ends.copy()}
 
 
 def specimen_state(
     temperature: Floats, lead: float, memory: Mapping[str, Any] | None
 ) -> SpecimenState:
     """Return a `SpecimenState` of temperatures [degC] (NaN without lead) and history variables."""
-    found = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
+    values = {key: np.asarray(value).tolist() for key, value in (memory or {}).items()}
     if memory is not None and np.ndim(memory["displacement"]):
         pairs = {key: np.moveaxis(np.asarray(memory[key]), -1, 0).tolist() for key in ACROSS}
-        found |= {key: along for key, (along, _) in pairs.items()}
-        found["across"] = {key: across for key, (_, across) in pairs.items()}
-    found["temperature"] = np.asarray(temperature).tolist()
+        values |= {key: along for key, (along, _) in pairs.items()}
+        values["across"] = {key: across for key, (_, across) in pairs.items()}
+    values["temperature"] = np.asarray(temperature).tolist()
     if not math.isnan(lead):
-        found["lead_temperature"] = float(lead)
-    return SpecimenState(**found)
+        values["lead_temperature"] = float(lead)
+    return SpecimenState(**values)
 
 
 def begun_from(
-    given: SpecimenState, constants: Constants, lead: float | None = None, components: int = 1
+    specimen: SpecimenState, constants: Constants, lead: float | None = None, components: int = 1
 ) -> State:
     """Return the state of a bearing that continues from a test; its energies restart at zero.
 
     `constants`: of the same bearing and model; `lead`: temperature of the lead [degC],
     instead of the given one. With two components a test on a line was along x.
     """
-    fault = misfit(given, constants, components)
+    fault = misfit(specimen, constants, components)
     if fault:
         raise InputError(f"initial_state: {fault}")
-    lead = given.lead_temperature if lead is None else lead
-    state = new_state(constants, np.array(given.temperature), lead, components)
-    if given.complete:
-        read = given.in_plane if components == 2 else partial(getattr, given)
+    lead = specimen.lead_temperature if lead is None else lead
+    state = new_state(constants, np.array(specimen.temperature), lead, components)
+    if specimen.complete:
+        read = specimen.in_plane if components == 2 else partial(getattr, specimen)
         for key, name in LAYERS.items():
             state.layers[name] = read(key)
         for key, name in BRANCHES.items():
             state.branches[name] = read(key)
         for name in BOOKS:
             state.books[name] = read(name)
-        state.ends[:] = given.lead_terms
+        state.ends[:] = specimen.lead_terms
         if components == 1:
             state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading
-    if given.layer_turns is not None and constants.rubber.closed_loops:
-        state.layers["turns"] = given.layer_turns
+    # A run with open loops has no use for turning points, and forgets them.
+    if specimen.layer_turns is not None and constants.rubber.closed_loops:
+        state.layers["turns"] = specimen.layer_turns
         for key, name in TURNS.items():
-            state.turns[name][:, :DEPTH] = np.reshape(getattr(given, key), (-1, DEPTH))
-        for j, count in enumerate(given.layer_turns):
+            state.turns[name][:, :DEPTH] = np.reshape(getattr(specimen, key), (-1, DEPTH))
+        for j, count in enumerate(specimen.layer_turns):
+            # Not stored, since they follow from the points: amplitude, and the sign of the last
+            # motion.
             outermost = state.turns["z"][j, count - 1] if count else 0.0
             state.layers["amplitude"][j] = abs(outermost)
             if count:
@@ -229,39 +236,43 @@ def begun_from(
     return state
 
 
-def misfit(given: SpecimenState, constants: Constants, components: int = 1) -> str:
+def misfit(specimen: SpecimenState, constants: Constants, components: int = 1) -> str:
     """Return why a bearing cannot start from this state; empty if it can."""
-    if given.across is not None and components == 1:
+    if specimen.across is not None and components == 1:
         return (
             "is of a test in a plane; continue in a plane (a test along x: a recorded history with "
             "displacement_y_mm = 0), or give its temperatures alone"
         )
     layer_count = len(constants.multiplicity)
-    counts = [("temperatures", "cells", len(given.temperature), len(constants.cells.capacity))]
-    if given.complete:
-        sizes = [len(given.in_plane(key)) for key in LAYERS]
-        if given.across is not None:
-            sizes += [len(getattr(given.across, key)) for key in ACROSS[:2]]
+    counts = [("temperatures", "cells", len(specimen.temperature), len(constants.cells.capacity))]
+    if specimen.complete:
+        sizes = [len(specimen.in_plane(key)) for key in LAYERS]
+        if specimen.across is not None:
+            sizes += [len(getattr(specimen.across, key)) for key in ACROSS[:2]]
         layers = [("layers", "modelled layers", size, layer_count) for size in sizes]
-        terms = len(given.lead_terms or [])
+        terms = len(specimen.lead_terms or [])
         counts += [*layers, ("lead_terms", "terms of lead", terms, len(constants.lead_modes))]
-    if given.layer_turns is not None:
-        counts.append(("layer_turns", "modelled layers", len(given.layer_turns), layer_count))
-        room = DEPTH * layer_count
-        counts += [(key, "turning points", len(getattr(given, key)), room) for key in TURNS]
-    for what, there, found, wanted in counts:
-        if found != wanted:
+    if specimen.layer_turns is not None:
+        counts.append(("layer_turns", "modelled layers", len(specimen.layer_turns), layer_count))
+        turn_count = DEPTH * layer_count
+        counts += [
+            (key, "turning points", len(getattr(specimen, key)), turn_count) for key in TURNS
+        ]
+    for quantity, model_quantity, count, expected in counts:
+        if count != expected:
             return (
-                f"has {found} {what}, but the model has {wanted} {there}; continue with the model, "
-                "stack, scheme and lead_ends of the earlier test"
+                f"has {count} {quantity}, but the model has {expected} {model_quantity}; continue "
+                "with the model, stack, scheme and lead_ends of the earlier test"
             )
-    if given.complete:
-        moved, at = given.in_plane("layer_displacement"), given.in_plane("displacement")
-        z = np.hypot(*given.in_plane("layer_hysteretic").T)
-        z = np.array([0.0, *z, *np.abs(given.turn_hysteretic or [])])
+    if specimen.complete:
+        moved, at = specimen.in_plane("layer_displacement"), specimen.in_plane("displacement")
+        z = np.hypot(*specimen.in_plane("layer_hysteretic").T)
+        z = np.array([0.0, *z, *np.abs(specimen.turn_hysteretic or [])])
         yields = constants.rubber.yield_displacement
         if z.max() > PASSED * yields:
             return f"layer_hysteretic reaches {z.max():g} mm; it ends at d_y = {yields:g} mm"
+        # Layers at their displacements must add up to that of the bearing, as in any converged
+        # step.
         scale = max(1.0, float((constants.multiplicity @ np.abs(moved)).max()))
         if np.abs(constants.multiplicity @ moved - at).max() > MISSED * scale:
             return "layer_displacement does not add up to displacement"

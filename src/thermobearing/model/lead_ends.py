@@ -63,7 +63,7 @@ def lead_network(bearing: Bearing, stack: Stack, upper: EndFace, lower: EndFace 
     """
     sizes = lead_sizes(bearing, stack, upper, lower)
     cells, modes = rows(LeadCell, len(stack.part)), rows(Mode, MOST_TERMS)
-    ports, heated, found = fill_network(
+    ports, cell_count, mode_count = fill_network(
         sizes, stack.codes, stack.thickness, stack.touches_lead_end, np.zeros(ROOM), cells, modes
     )
-    return Network(ports, cells[:heated], modes[:found])
+    return Network(ports, cells[:cell_count], modes[:mode_count])

@@ -97,64 +97,67 @@ def _hankel(order: float, x: float) -> tuple[float, float]:
 def bessel_j(x: float) -> tuple[float, float]:
     """J0 and J1 of x >= 0."""
     if x < LARGE:
-        zero, one = 0.5 * math.cos(x), 0.5 * math.sin(x)
+        j0, j1 = 0.5 * math.cos(x), 0.5 * math.sin(x)
         for k in range(1, QUARTER_TURN):
             cosine = math.cos(0.5 * math.pi * k / QUARTER_TURN)
-            zero += math.cos(x * cosine)
-            one += math.sin(x * cosine) * cosine
-        return (zero + 0.5) / QUARTER_TURN, one / QUARTER_TURN
+            j0 += math.cos(x * cosine)
+            j1 += math.sin(x * cosine) * cosine
+        return (j0 + 0.5) / QUARTER_TURN, j1 / QUARTER_TURN
     sine, cosine, scale = math.sin(x), math.cos(x), 1.0 / math.sqrt(math.pi * x)
     p, q = _hankel(0.0, x)
-    zero = scale * (p * (cosine + sine) + q * (cosine - sine))
+    j0 = scale * (p * (cosine + sine) + q * (cosine - sine))
     p, q = _hankel(1.0, x)
-    return zero, scale * (p * (sine - cosine) + q * (sine + cosine))
+    return j0, scale * (p * (sine - cosine) + q * (sine + cosine))
 
 
 @compiled
 def scaled_i(x: float) -> tuple[float, float, float]:
     """I0, I1/x and I2/x^2 of x >= 0, times exp(-x)."""
     count = int(12.0 + 5.0 * math.sqrt(x))
-    zero, one, two = 0.5, 0.0, 0.0
+    i0, i1, i2 = 0.5, 0.0, 0.0
     for k in range(1, count + 1):
         rise = 2.0 * math.sin(0.5 * math.pi * k / count) ** 2  # 1 - cos
         if x * rise > NOTHING:
             break
         part = math.exp(-x * rise) * (1.0 if k < count else 0.5)
         squared = rise * (2.0 - rise)  # of the sine
-        zero += part
-        one += part * squared
-        two += part * squared**2
-    return zero / count, one / count, two / (3.0 * count)
+        i0 += part
+        i1 += part * squared
+        i2 += part * squared**2
+    return i0 / count, i1 / count, i2 / (3.0 * count)
 
 
 @compiled
 def scaled_k(x: float) -> tuple[float, float]:
     """K0 and K1 of x > 0, times exp(x)."""
     width = min(0.2, 0.5 / math.sqrt(x))
-    zero, one, rise, k = 0.5, 0.0, 0.0, 0.0
+    k0, k1, rise, k = 0.5, 0.0, 0.0, 0.0
     while x * rise < NOTHING:
         part = math.exp(-x * rise) if k > 0.0 else 0.0
-        zero += part
-        one += part * rise * (2.0 + rise)  # squared hyperbolic sine
+        k0 += part
+        k1 += part * rise * (2.0 + rise)  # squared hyperbolic sine
         k += 1.0
-        grown = math.expm1(0.5 * width * k)
-        rise = 0.5 * (grown + grown / (1.0 + grown)) ** 2  # hyperbolic cosine - 1
-    return width * zero, width * x * one
+        exp_minus_one = math.expm1(0.5 * width * k)
+        rise = (
+            0.5 * (exp_minus_one + exp_minus_one / (1.0 + exp_minus_one)) ** 2
+        )  # hyperbolic cosine - 1
+    return width * k0, width * x * k1
 
 
 @compiled
 def fill_radial(radius: float, plan: float, room: Floats) -> None:
     """Modes of a disc on a plate insulated at radius `plan` [mm]: J0 at the zeros of J1."""
     for m in range(RADIAL):
+        # The first two terms of McMahon's expansion, then Newton.
         zero = math.pi * (m + 1.25)
         zero -= 3.0 / (8.0 * zero)
-        there = 1.0
+        j0 = 1.0
         for _ in range(3):  # Newton
-            there, off = bessel_j(zero)
-            zero -= off / (there - off / zero)
-        _, edge = bessel_j(zero * radius / plan)
+            j0, j1 = bessel_j(zero)
+            zero -= j1 / (j0 - j1 / zero)
+        _, j1_at_edge = bessel_j(zero * radius / plan)
         room[WAVE, m] = zero / plan
-        room[SHARE, m] = 4.0 * (edge / (zero * there)) ** 2
+        room[SHARE, m] = 4.0 * (j1_at_edge / (zero * j0)) ** 2
 
 
 @compiled
@@ -166,13 +169,13 @@ def _slab(medium: Medium, height: float, wave: float, s: float) -> tuple[float, 
 
 
 @compiled
-def _through(own: float, tangent: float, beyond: float) -> float:
+def _through(k_beta: float, tangent: float, beyond: float) -> float:
     """Admittance of a slab with another one beyond it; `own` k beta, `tangent` tanh(beta H)."""
     if tangent == 1.0:
-        return own
+        return k_beta
     if beyond == math.inf:
-        return own / tangent
-    return own * (beyond + own * tangent) / (own + beyond * tangent)
+        return k_beta / tangent
+    return k_beta * (beyond + k_beta * tangent) / (k_beta + beyond * tangent)
 
 
 @compiled
@@ -186,14 +189,15 @@ def disc_on_plate(sizes: LeadSizes, film: float, room: Floats, s: float) -> floa
     steel, total = sizes.steel, 0.0
     for m in range(RADIAL):
         wave = room[WAVE, m]
-        own, tangent = _slab(steel, sizes.end_plate, wave, s)
-        admittance = _through(own, tangent, film)
+        k_beta, tangent = _slab(steel, sizes.end_plate, wave, s)
+        admittance = _through(k_beta, tangent, film)
         if sizes.sealing_plate == 0.0:
-            own, tangent = _slab(sizes.rubber, sizes.layer, wave, s)
+            k_beta, tangent = _slab(sizes.rubber, sizes.layer, wave, s)
             shim = sizes.shim * (steel.heat * s + steel.conductivity * wave**2)
+            # Layers and shims below, from the farthest to the plate.
             below = 0.0
             for _ in range(BELOW):
-                below = _through(own, tangent, below + shim)
+                below = _through(k_beta, tangent, below + shim)
             admittance += around * below
         total += room[SHARE, m] / admittance
     return total / (math.pi * sizes.radius**2)
@@ -215,8 +219,8 @@ def core_mode(
 @compiled
 def core_to_wall(lead: Medium, height: float, radius: float, s: float) -> float:
     """Return mean minus wall temperature of a core for uniform flow through the wall."""
-    _, one, two = scaled_i(radius * math.sqrt(s * lead.heat / lead.conductivity))
-    return two / one / (2.0 * math.pi * lead.conductivity * height)
+    _, i1, i2 = scaled_i(radius * math.sqrt(s * lead.heat / lead.conductivity))
+    return i2 / i1 / (2.0 * math.pi * lead.conductivity * height)
 
 
 @compiled
@@ -225,8 +229,8 @@ def to_edges(lead: Medium, shim: float, layer: float, radius: float, s: float) -
     pitch, total = shim + layer, 0.0
     for n in range(1, ACROSS + 1):
         squared = (2.0 * math.pi * n / pitch) ** 2 + s * lead.heat / lead.conductivity
-        zero, one, _ = scaled_i(radius * math.sqrt(squared))
-        total += _sinc(n * shim / pitch) ** 2 * zero / (one * squared)
+        i0, i1, _ = scaled_i(radius * math.sqrt(squared))
+        total += _sinc(n * shim / pitch) ** 2 * i0 / (i1 * squared)
     return total / (math.pi * radius**2 * pitch * lead.conductivity)
 
 
@@ -240,8 +244,8 @@ def fin_heat(
     steel: Medium, thickness: float, rubber: Medium, layer: float, faces: int, s: float
 ) -> float:
     """Admittance per area of a fin with half a layer of rubber on one or two faces."""
-    own, tangent = _slab(rubber, 0.5 * layer, 0.0, s)
-    return thickness * steel.heat * s + faces * own * tangent
+    k_beta, tangent = _slab(rubber, 0.5 * layer, 0.0, s)
+    return thickness * steel.heat * s + faces * k_beta * tangent
 
 
 @compiled
@@ -250,6 +254,7 @@ def fin(steel: Medium, thickness: float, per_area: float, radius: float, plan: f
     across = steel.conductivity * thickness
     m = math.sqrt(per_area / across)
     inner, outer = m * radius, m * plan
+    # The Bessel functions are scaled by exponentials; what is left of them is this factor.
     damped = math.exp(-2.0 * (outer - inner))
     i0, i1, _ = scaled_i(inner)
     k0, k1 = scaled_k(inner)
@@ -272,7 +277,7 @@ def rubber_at_wall(rubber: Medium, layer: float, radius: float, s: float) -> flo
 
 
 @compiled
-def _sweep(matrix: Floats, p: int, way: float) -> None:
+def _sweep(matrix: Floats, p: int, sign: float) -> None:
     """Solve normal equations for one more unknown (`way` 1), or for one less (-1)."""
     pivot = 1.0 / matrix[p, p]
     for i in range(len(matrix)):
@@ -280,8 +285,8 @@ def _sweep(matrix: Floats, p: int, way: float) -> None:
             if p not in (i, j):
                 matrix[i, j] -= matrix[i, p] * pivot * matrix[p, j]
     for i in range(len(matrix)):
-        matrix[i, p] *= way * pivot
-        matrix[p, i] *= way * pivot
+        matrix[i, p] *= sign * pivot
+        matrix[p, i] *= sign * pivot
     matrix[p, p] = -pivot
 
 
@@ -312,16 +317,18 @@ def fit_terms(room: Floats) -> None:
     _fill_normal(room)
     matrix = room[NORMAL:, : RELAXATIONS + 1]
     for _ in range(20 * RELAXATIONS):
-        moved, at, steepest = 1.0, -1, 1e-12
+        # How far the kept terms can go towards their least squares before one becomes negative.
+        step_length, at, steepest = 1.0, -1, 1e-12
         for j in range(RELAXATIONS):
-            a, wanted = room[A, j], matrix[j, RELAXATIONS]
-            if room[KEPT, j] > 0.0 and wanted <= 0.0 and a < moved * (a - wanted):
-                at, moved = j, a / (a - wanted)
+            a, target = room[A, j], matrix[j, RELAXATIONS]
+            if room[KEPT, j] > 0.0 and target <= 0.0 and a < step_length * (a - target):
+                at, step_length = j, a / (a - target)
         for j in range(RELAXATIONS):
+            # If all can go there, the term that lowers the misfit most comes in.
             slope = matrix[j, RELAXATIONS] / room[SIZE, j]
             if room[KEPT, j] > 0.0:
-                room[A, j] += moved * (matrix[j, RELAXATIONS] - room[A, j])
-            elif moved == 1.0 and slope > steepest:
+                room[A, j] += step_length * (matrix[j, RELAXATIONS] - room[A, j])
+            elif step_length == 1.0 and slope > steepest:
                 at, steepest = j, slope
         if at < 0:
             break
@@ -341,10 +348,12 @@ def fill_side(sizes: LeadSizes, half: float, steel: float, room: Floats) -> None
     for i in range(FREQUENCIES):
         s = frequency(i)
         heat = fin_heat(sizes.steel, sizes.shim, sizes.rubber, sizes.layer, 2, s)
-        each = fin(sizes.steel, sizes.shim, heat, sizes.radius, sizes.plan)
-        each += to_edges(sizes.lead, sizes.shim, sizes.layer, sizes.radius, s)
-        taken = count * (1.0 / each + rubber_at_wall(sizes.rubber, sizes.layer, sizes.radius, s))
-        room[SIDE, i] = 1.0 / taken + core_to_wall(sizes.lead, height, sizes.radius, s)
+        resistance = fin(sizes.steel, sizes.shim, heat, sizes.radius, sizes.plan)
+        resistance += to_edges(sizes.lead, sizes.shim, sizes.layer, sizes.radius, s)
+        admittance = count * (
+            1.0 / resistance + rubber_at_wall(sizes.rubber, sizes.layer, sizes.radius, s)
+        )
+        room[SIDE, i] = 1.0 / admittance + core_to_wall(sizes.lead, height, sizes.radius, s)
         stored = count * math.pi * (sizes.plan**2 - sizes.radius**2) * heat
         room[PER_HEIGHT, i] = 0.5 * sizes.fold / half / (room[SIDE, i] + 1.0 / stored)
 
@@ -371,11 +380,11 @@ def fill_felt(half: float, steel: float, part: Ints, thickness: Floats, room: Fl
 def _median(values: Floats) -> float:
     """The middle one of an odd number of values."""
     for i in range(len(values)):
-        less, same = 0, 0
+        smaller, equal = 0, 0
         for j in range(len(values)):
-            less += values[j] < values[i]
-            same += values[j] == values[i]
-        if less <= len(values) // 2 < less + same:
+            smaller += values[j] < values[i]
+            equal += values[j] == values[i]
+        if smaller <= len(values) // 2 < smaller + equal:
             return float(values[i])
     return math.nan
 
@@ -398,6 +407,7 @@ def fill_end(sizes: LeadSizes, half: float, film: float, room: Floats) -> None:
             around += core_to_wall(sizes.lead, foot, sizes.radius, s)
             room[PLATE, i] = plate * around / (plate + around)
             room[AROUND, i] = around / (plate + around)
+    # One share for all frequencies, since weights of modes do not depend on it.
     down = (
         _median(room[AROUND, :FREQUENCIES]) if foot > 0.0 else 1.0
     )  # of the heat, through the end
@@ -447,15 +457,15 @@ def fill_network(
         if part[i] == SHIM and not sizes.confined:
             steel += thickness[i]
         ends += (part[i] == SEALING_PLATE) if foot else touches_end[i]
-    faces, first, heated, found = 3 - sizes.fold, 1 if steel > 0.0 else 0, 0, 0
+    faces, first, cell_count, term_count = 3 - sizes.fold, 1 if steel > 0.0 else 0, 0, 0
     for i in range(len(part)):
         if part[i] == SHIM and steel > 0.0:
-            cells[heated].cell, cells[heated].share = i, thickness[i] / steel
-            heated += 1
+            cells[cell_count].cell, cells[cell_count].share = i, thickness[i] / steel
+            cell_count += 1
         elif (part[i] == SEALING_PLATE) if foot else touches_end[i]:
-            cells[heated].cell, cells[heated].share = i, faces / ends
-            cells[heated].port = first + (faces == 2 and 2 * i >= len(part))
-            heated += 1
+            cells[cell_count].cell, cells[cell_count].share = i, faces / ends
+            cells[cell_count].port = first + (faces == 2 and 2 * i >= len(part))
+            cell_count += 1
     room[:] = 0.0
     if steel > 0.0:
         fill_felt(half, steel, part, thickness, room)
@@ -470,10 +480,10 @@ def fill_network(
             fit_terms(room)
             for j in range(RELAXATIONS):
                 if room[A, j] > 0.0:
-                    row = modes[found]
+                    row = modes[term_count]
                     row.resistance, row.relaxation = room[A, j], room[TAU, j]
-                    row.port, row.other = port, 0 if n > 0 else port
+                    row.port, row.second_port = port, 0 if n > 0 else port
                     row.weight = room[AT_END, n - 1] if n > 0 else 1.0
-                    row.other_weight = 0.5 * sizes.fold * room[FELT, n - 1] if n > 0 else 0.0
-                    found += 1
-    return first + faces, heated, found
+                    row.second_weight = 0.5 * sizes.fold * room[FELT, n - 1] if n > 0 else 0.0
+                    term_count += 1
+    return first + faces, cell_count, term_count

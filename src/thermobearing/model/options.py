@@ -12,6 +12,8 @@ from pydantic import Field, model_validator
 
 from thermobearing.bearing.exposure import TWICE, Exposure, exposed
 from thermobearing.bearing.model import Bearing, Clock, Hardening, SmallLoops
+from thermobearing.bearing.state import RubberState, State, in_state
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import Strict, in_unit
@@ -54,6 +56,7 @@ class Side(Strict):
     cover: Annotated[float, in_unit("mm"), Field(ge=0, le=1e3)] = 0.0
 
 
+@checked
 class ModelOptions(Strict):
     """How to model a bearing.
 
@@ -82,6 +85,8 @@ class ModelOptions(Strict):
     side : heat exchange of the side; None for the film of the bearing's materials without cover.
         With a weather file, faces and side have other defaults, see `outdoors`.
     exposure : factors for long cold and ageing (`Exposure`), for bearings without them.
+    state : state of the rubber at the start: "tested", "virgin" or "recovered after 5 years"; by
+        default tested, or virgin where the bearing's file has a table `scragging`.
     """
 
     model: ModelName = "multi-layer"
@@ -97,11 +102,12 @@ class ModelOptions(Strict):
     lower_face: EndFace = EndFace(eta=DEFAULT_ETA)
     side: Side | None = None
     exposure: Exposure | None = None
+    state: State = None
 
     @model_validator(mode="after")
     def _fit_each_other(self) -> Self:
-        alike = self.upper_face == self.lower_face
-        if self.stack == "half" and not alike:
+        equal_faces = self.upper_face == self.lower_face
+        if self.stack == "half" and not equal_faces:
             raise ValueError('stack "half" needs both faces alike; use "auto" or "full"')
         if self.model in ONE_CELL and self.stack == "half":
             raise ValueError(f'model "{self.model}" has one cell for all layers; use stack "auto"')
@@ -131,34 +137,42 @@ class ModelOptions(Strict):
 
     def misfits(self, bearing: Bearing) -> list[str]:
         """Return what a bearing lacks for these options, in sentences that begin with the key."""
-        found = []
+        messages = []
         if self.exposure is not None and bearing.exposure is not None:
-            found.append(f"exposure: {TWICE}")
+            messages.append(f"exposure: {TWICE}")
+        messages += self.misfit_of_state(self.state)
         loops = self.small_loops or bearing.hysteresis.small_loops
+        # Each takes the place of Eq. 4.35, so that only one can.
         laws = {  # of Z: a bearing has one of them
             'small_loops = "closed"': loops == "closed",
             'integrator = "euler"': self.integrator == "euler",
             f'the hysteresis_law of "{bearing.name}"': bearing.hysteresis_law is not None,
         }
-        several = [name for name, chosen in laws.items() if chosen]
-        found += [f"{one}: not with {several[-1]}" for one in several[:-1]]
+        chosen_laws = [name for name, chosen in laws.items() if chosen]
+        messages += [f"{law}: not with {chosen_laws[-1]}" for law in chosen_laws[:-1]]
         if bearing.lead is None:
             needs_lead = [
                 ("model", self.model, self.model == "lead-alone"),
                 ("lead_ends", self.lead_ends, self.lead_ends == "finite-plate"),
                 ("clock", self.clock, self.clock is not None),
             ]
-            found += [
+            messages += [
                 f'{key} = "{value}": needs a bearing with lead; "{bearing.name}" has none'
                 for key, value, needs in needs_lead
                 if needs
             ]
         elif self.clock is not None and not self._has_clock(bearing):
             finite = self.model in WITH_LEAD_ENDS
-            why = 'lead_ends "finite-plate"' if finite else f'model "{self.model}"'
-            way = 'use lead_ends = "half-space" or scheme = "published", or ' if finite else ""
-            found.append(f'clock = "{self.clock}": {why} has no clock; {way}omit it')
-        return found
+            reason = 'lead_ends "finite-plate"' if finite else f'model "{self.model}"'
+            cure = 'use lead_ends = "half-space" or scheme = "published", or ' if finite else ""
+            messages.append(f'clock = "{self.clock}": {reason} has no clock; {cure}omit it')
+        return messages
+
+    def misfit_of_state(self, state: RubberState | None) -> list[str]:
+        """Return why the model cannot have rubber in a state."""
+        if state is None or state.share == 0.0 or self.model != "bilinear":
+            return []
+        return [f'state = "{state.rubber}": model "bilinear" has tested rubber; omit it']
 
     def _lead_ends(self, bearing: Bearing) -> LeadEnds:
         """Return the option, where there is a choice."""
@@ -190,20 +204,10 @@ class ModelOptions(Strict):
 
 
 class ModelKeywords(TypedDict, total=False):
-    """Fields of `ModelOptions` but `model`, as keyword arguments (a test compares the two)."""
+    """Fields of `ModelOptions` that most analyses state, and that are keyword arguments too."""
 
-    scheme: Scheme | None
-    integrator: Integrator | None
-    hardening: Hardening | None
-    small_loops: SmallLoops | None
-    heat_source: HeatSource | None
-    lead_ends: LeadEnds | None
-    clock: Clock | None
-    stack: Stacked | None
-    upper_face: EndFace | None
-    lower_face: EndFace | None
-    side: Side | None
     exposure: Exposure | dict[str, Any] | None
+    state: RubberState | dict[str, Any] | str | None
 
 
 def model_table(model: ModelOptions | str | None, keywords: Mapping[str, Any]) -> dict[str, Any]:
@@ -251,6 +255,7 @@ def build_model(
     """
     options = (options or ModelOptions()).settled(bearing)
     bearing = exposed(bearing, options.exposure)  # once, before any temperature
+    bearing = in_state(bearing, options.state)
     stack = options.build_stack(bearing)
     constants = build_constants(
         bearing,
@@ -274,10 +279,12 @@ def build_model(
 def line_only_faults(bearing: Bearing, constants: Constants) -> list[str]:
     """Return what in a bearing and its options is not available in a plane."""
     law, rubber = bearing.hysteresis_law, constants.rubber
-    found = []
+    messages = []
     if law is not None and not rubber.law_in_plane:
         name = find_law(law.law).name
-        found = [f'law "{name}" has no function for two directions; register it with plane=...']
-    others = line_only_options(constants._replace(rubber=rubber._replace(law=0)))
+        messages = [f'law "{name}" has no function for two directions; register it with plane=...']
+    options = line_only_options(constants._replace(rubber=rubber._replace(law=0)))
     use = "use integrator = exact, small_loops = published, hardening = printed"
-    return found + [f"analysis.{one}: is not available in a plane; {use}" for one in others]
+    return messages + [
+        f"analysis.{option}: is not available in a plane; {use}" for option in options
+    ]

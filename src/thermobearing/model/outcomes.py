@@ -1,7 +1,8 @@
 """Outcomes of an analysis, and the limits at which it ends."""
 
+from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 from pydantic import Field
@@ -23,10 +24,14 @@ from thermobearing.core.types import (
     Limits,
     State,
 )
+from thermobearing.quantities.words import number, quantity
 
 INTERRUPTED: Final = "interrupted"
 NOT_PHYSICAL: Final = "not_physical"
 MELTED: Final = "lead_melted"
+UNSTABLE: Final = "unstable"
+UPLIFT: Final = "uplift"
+CAVITATED: Final = "cavitated"
 PIER_BEYOND_LIMIT: Final = "pier_beyond_limit"
 NAMES: Final = {
     COMPLETED: "completed",
@@ -39,7 +44,8 @@ NAMES: Final = {
 }
 _TEXTS = read_toml(data_path("reports", "outcomes.toml"))
 SENTENCES: Final[dict[str, str]] = _TEXTS["analysis"]
-ALL_SENTENCES: Final = SENTENCES | _TEXTS["structure"]
+AXIAL_SENTENCES: Final[dict[str, str]] = _TEXTS["axial"]
+ALL_SENTENCES: Final = SENTENCES | _TEXTS["structure"]  # without those of axial forces
 SHARING_SENTENCES: Final[dict[str, str]] = _TEXTS["layer_forces"]
 
 
@@ -92,3 +98,33 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
             not lead.published and constants.viscous.heats and not noticeable,
         )
     )
+
+
+@cache
+def assumption_texts() -> Mapping[str, Any]:
+    """Return the sentences on what the model assumes, by name."""
+    return read_toml(data_path("reports", "assumptions.toml"))
+
+
+def heat_flow(analysis: Mapping[str, Any], bearings: Sequence[Mapping[str, Any]]) -> str:
+    """Return how heat flows through bearings and out of them, in a sentence."""
+    texts = assumption_texts()
+    films = {str(table["materials"].get("side_film", "0.0 W/(m^2 K)")) for table in bearings}
+    values = sorted(float(film.split()[0]) for film in films)
+    sides = texts["side_film"].format(film=" or ".join(number(v) for v in values))
+    if values == [0.0]:
+        sides = texts["no_sides"]
+    if side := analysis.get("side"):
+        cover = quantity(side.get("cover", "0 mm"))
+        sides = texts["side_cover"].format(film=quantity(side["film"]), cover=cover)
+    faces = []
+    for name in ("upper", "lower"):
+        face = analysis.get(f"{name}_face", {"eta": 2.0})
+        if "eta" in face:
+            faces.append(f"{name} η_B = {face['eta']:g} (1 adiabatic, 3 at ambient)")
+        else:
+            behind = face.get("heat_capacity")
+            capacity_text = f" beyond {quantity(behind)}" if behind else ""
+            faces.append(f"{name} film {quantity(face['film'])}{capacity_text}")
+    text: str = texts["heat_flow"].format(sides=sides, faces=", ".join(faces))
+    return text

@@ -65,10 +65,10 @@ class EndFace(Strict):
     heat_capacity: Annotated[float, in_unit("kJ/(m^2 K)"), Field(gt=0, le=1e6)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        if ("eta" in given) == ("film" in given):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        if ("eta" in values) == ("film" in values):
             return ["give either eta (1 adiabatic to 3 at ambient) or film"]
-        if "eta" in given and "heat_capacity" in given:
+        if "eta" in values and "heat_capacity" in values:
             return ["heat_capacity can only be combined with film, not with eta"]
         return []
 
@@ -160,6 +160,7 @@ def build_stack(
     default; `behind`: heat capacity behind the upper and the lower face [kJ/(m2 K)].
     """
     heights = _heights(bearing, half, behind)
+    # An empty room counts the cells, the next one takes them.
     cells = _room(*lay_cells(heights, _room(0, 0)))
     lay_cells(heights, cells)
     steel, rubber = bearing.materials.steel, bearing.materials.rubber
@@ -179,7 +180,10 @@ def build_stack(
     lumps = np.flatnonzero(cells.part == MASS)
     starts = np.concatenate([[True], cells.interface[:-1]])
     faces = behind[:1] if half else behind
-    heat.volumetric_heat[lumps] = [KILO / MM_PER_M**2 / LUMP * each for each in faces if each > 0.0]
+    # A body behind a face is a cell of the thickness LUMP with all of its heat.
+    heat.volumetric_heat[lumps] = [
+        KILO / MM_PER_M**2 / LUMP * heat_behind for heat_behind in faces if heat_behind > 0.0
+    ]
     if side_film is None:
         side_film = bearing.materials.side_film
     return Stack(
@@ -249,6 +253,7 @@ def conservative_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> C
     """Finite-volume balance: what leaves one cell enters the next."""
     k, thickness = stack.conductivity, stack.thickness
     above = _end_conductance(upper, k[0], thickness[0])
+    # No heat passes the symmetry plane of a half stack.
     below = 0.0 if lower is None else _end_conductance(lower, k[-1], thickness[-1])
     heat = CellHeat(thickness, k, stack.volumetric_heat, stack.area)
     rates = CellRates(*np.empty((4, len(thickness))))
@@ -265,6 +270,7 @@ def published_rates(stack: Stack, upper: EndFace, lower: EndFace | None) -> Cell
     dx, k = stack.thickness, stack.conductivity
     diffusion = k / stack.volumetric_heat / dx**2
     gamma_below = k[1:] * dx[:-1] / (k[:-1] * dx[1:] + k[1:] * dx[:-1])  # weight of the cell below
+    # At a material interface the flux has weights of both conductivities.
     inside = ~stack.interface[:-1]
     to_next = np.where(inside, 1.0, 2.0 * gamma_below) * diffusion[:-1]
     to_previous = np.where(inside, 1.0, 2.0 * (1.0 - gamma_below)) * diffusion[1:]

@@ -11,14 +11,15 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 
 from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.record import MM_S2_PER_GAL, GroundMotion
-from thermobearing.motions.run import MM_PER_CM, MotionResult, Reference
+from thermobearing.motions.run import MM_PER_CM, MotionResult
+from thermobearing.motions.targets import DesignSpectrum, find_kind, load_spectrum
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results import drawing
 
 BINS = 2000
 MOTION_COLOUR, ACROSS_COLOUR = "#0077BB", "#009988"
 REFERENCE_LOOKS = (("#CC3311", "--"), ("#EE7733", "-."))
-BOTH_TYPES = (Reference("I", "I"), Reference("II", "I"))  # for a motion without a target
+BOTH_TYPES = ("jra-i-i", "jra-ii-i")  # for a motion without a target
 
 
 def _draw_histories(axes: Sequence[Axes], motion: GroundMotion, name: str, *, labels: bool) -> None:
@@ -41,6 +42,13 @@ def _draw_histories(axes: Sequence[Axes], motion: GroundMotion, name: str, *, la
     drawing.name_axes(axes[-1], "time [s]")
 
 
+def _reference_label(reference: DesignSpectrum) -> str:
+    if not reference.standard:
+        return f"{reference.words.removeprefix('the ')}, 5 %"
+    kind, ground = find_kind(reference.name)
+    return f"standard, Level 2 Type {kind}, ground {ground}, 5 %"
+
+
 class MotionFigures(drawing.Figures):
     """Figures of one ground motion."""
 
@@ -53,8 +61,8 @@ class MotionFigures(drawing.Figures):
         result = self._result
         records = [(result.motion, "")]
         if result.across is not None:
-            both = zip([result.motion, result.across.motion], result.records, strict=True)
-            records = [(motion, f"{name}: ") for motion, name in both]
+            pairs = zip([result.motion, result.across.motion], result.records, strict=True)
+            records = [(motion, f"{name}: ") for motion, name in pairs]
         count = len(records)
         figure, axes = drawing.panels(3, count, (9.0, 6.2), result.headline, share="row")
         for column, (motion, name) in enumerate(records):
@@ -65,45 +73,45 @@ class MotionFigures(drawing.Figures):
 
     def spectrum(self) -> Figure:
         """Response spectra of acceleration and displacement, with standard ones."""
-        result, found = self._result, self._result.spectrum
-        periods = found.periods
+        result, response = self._result, self._result.spectrum
+        periods = response.periods
         figure, (left, right) = drawing.panels(1, 2, (10.0, 4.6), result.headline)
         spectra = self._spectra()
         handles = [Line2D([], [], label=label, **look) for label, _, _, look in spectra]
-        references = [result.reference] if result.reference else BOTH_TYPES
+        references = [result.reference] if result.reference else map(load_spectrum, BOTH_TYPES)
         for reference, (colour, line) in zip(references, REFERENCE_LOOKS, strict=False):
             look: drawing.Look = {"color": colour, "linestyle": line, "linewidth": 1.6}
             values = reference.at(periods)
             left.plot(periods, values / MM_S2_PER_GAL, **look)
+            # Pseudo displacement: S_a (T / 2 pi)^2.
             right.plot(periods, values * (periods / (2.0 * np.pi)) ** 2 / MM_PER_CM, **look)
-            name = f"standard, Level 2 Type {reference.kind}, ground {reference.ground}, 5 %"
-            handles.append(Line2D([], [], label=name, **look))
+            handles.append(Line2D([], [], label=_reference_label(reference), **look))
         for _, acceleration, displacement, look in spectra:
             left.plot(periods, acceleration, **look)
             right.plot(periods, displacement, **look)
         left.set_yscale("log")
         left.yaxis.set_major_formatter(plain := FuncFormatter(lambda value, _: f"{value:g}"))
-        percent = f"{100.0 * found.damping:g} % damping"
+        percent = f"{100.0 * response.damping:g} % damping"
         kinds = (left, "absolute acceleration", "gal"), (right, "displacement", "cm")
-        for ax, what, unit in kinds:
+        for ax, kind, unit in kinds:
             ax.set_xscale("log")
             ax.set_xlim(periods[0], periods[-1])
             ax.xaxis.set_major_formatter(plain)
             ax.xaxis.set_minor_formatter(NullFormatter())
-            label = f"{what.split()[-1]} [{unit}]"
-            drawing.name_axes(ax, "period [s]", label, f"{what}, {percent}")
+            label = f"{kind.split()[-1]} [{unit}]"
+            drawing.name_axes(ax, "period [s]", label, f"{kind}, {percent}")
         drawing.legend_below(figure, handles)
         return figure
 
     def _spectra(self) -> list[tuple[str, Any, Any, drawing.Look]]:
         """Return label, acceleration [gal], displacement [cm] and look of each spectrum."""
-        result, found, table = self._result, self._result.spectrum, self._result.table
-        own = found.acceleration / MM_S2_PER_GAL, found.displacement / MM_PER_CM
+        result, response, table = self._result, self._result.spectrum, self._result.table
+        first_values = response.acceleration / MM_S2_PER_GAL, response.displacement / MM_PER_CM
         look: drawing.Look = {"color": MOTION_COLOUR, "linewidth": 1.2}
         if result.across is None:
-            return [("this motion", *own, look)]
+            return [("this motion", *first_values, look)]
         across = result.across.spectrum
-        other = across.acceleration / MM_S2_PER_GAL, across.displacement / MM_PER_CM
+        second_values = across.acceleration / MM_S2_PER_GAL, across.displacement / MM_PER_CM
         first, second = result.records
         rotated = [
             (name, table[f"{key}_gal"], table[f"{key}_cm"], {"color": drawing.INK, **line})
@@ -113,7 +121,7 @@ class MotionFigures(drawing.Figures):
             )
         ]
         return [
-            (first, *own, look),
-            (second, *other, {"color": ACROSS_COLOUR, "linewidth": 1.2}),
+            (first, *first_values, look),
+            (second, *second_values, {"color": ACROSS_COLOUR, "linewidth": 1.2}),
             *rotated,
         ]

@@ -135,27 +135,29 @@ class _Amplitudes:
         values = np.fft.irfft(self.multiplied(), self.size)[: self.length]
         return GroundMotion("matched", self.dt, with_quiet_end(values * self.taper, self.dt))
 
-    def sensitivity(self, which: Ints, times: Floats) -> Floats:
+    def sensitivity(self, oscillator_indices: Ints, times: Floats) -> Floats:
         """Return [response, band] acceleration at the given times by the part of each band [mm/s2].
 
         The sum over the bands is the response itself, since they add up to one. All that leads
         from the coefficients of a band to a response is linear; it is followed backwards, from
         each response to all bands at once: how much each sample adds to the response, and then
-        what each band adds to these samples. `which` are the places of the oscillators of the
-        responses in `periods`.
+        what each band adds to these samples. `oscillator_indices` are those of the oscillators of
+        the responses in `periods`.
         """
+        # The sizes of the shapes that `with_quiet_end` subtracts are linear in the history, too:
+        # `sizes` [2, band] are those of each band.
         shapes, to_ends = end_shapes(self.length, self.dt)
         to_sizes = np.asarray(np.linalg.solve(to_ends @ shapes.T, to_ends), dtype=np.float64)
         sizes = self._by_band(to_sizes)
-        found = []
+        rows = []
         for first in range(0, len(times), TOGETHER):
-            some = slice(first, first + TOGETHER)
-            waves = self.oscillators[which[some]] * self._moved(times[some])
+            chunk = slice(first, first + TOGETHER)
+            waves = self.oscillators[oscillator_indices[chunk]] * self._phase_factors(times[chunk])
             weights = np.asarray(np.fft.irfft(waves, self.size)[:, : self.length])
-            found.append(self._by_band(weights) - weights @ shapes.T @ sizes)
-        return np.concatenate(found)
+            rows.append(self._by_band(weights) - weights @ shapes.T @ sizes)
+        return np.concatenate(rows)
 
-    def _moved(self, times: Floats) -> Complexes:
+    def _phase_factors(self, times: Floats) -> Complexes:
         """[time, frequency] exp(-i w t), as products: exponentials would take most of the time."""
         turn = -2.0j * np.pi * times[:, np.newaxis]
         coarse = np.exp(turn * self.frequency[::STRIDE])
@@ -166,11 +168,13 @@ class _Amplitudes:
     def _by_band(self, weights: Floats) -> Floats:
         """[row, band] sum of each row of weights times the tapered history of each band."""
         spectrum = np.fft.rfft(weights * self.taper, self.size)
-        counted = np.full(len(self.frequency), 2.0 / self.size)
-        counted[0] = 1.0 / self.size
+        # Of a real history only half the coefficients are stored: all count twice but that of
+        # frequency zero and, of an even number of samples, that of the Nyquist frequency.
+        scale = np.full(len(self.frequency), 2.0 / self.size)
+        scale[0] = 1.0 / self.size
         if self.size % 2 == 0:
-            counted[-1] = 1.0 / self.size
-        return np.asarray(np.real(spectrum.conj() * (counted * self.multiplied())) @ self.bands)
+            scale[-1] = 1.0 / self.size
+        return np.asarray(np.real(spectrum.conj() * (scale * self.multiplied())) @ self.bands)
 
 
 def matched(
@@ -209,27 +213,30 @@ def _matched(
     acceleration: Floats, dt: float, target: Target, fineness: _Fineness, effort: Effort
 ) -> "_Round":
     amplitudes = _Amplitudes(acceleration, dt, fineness, effort)
-    wanted = target(amplitudes.periods)
-    best = _compare(amplitudes, wanted)
-    far = float(np.mean(best.gaps[0]))
-    if abs(far) > FAR:  # the rounds below would take their steps one after the other to get there
-        amplitudes.coefficients = amplitudes.coefficients * np.exp(far)
-        best = _compare(amplitudes, wanted)
+    target_values = target(amplitudes.periods)
+    best = _compare(amplitudes, target_values)
+    mean_gap = float(np.mean(best.gaps[0]))
+    # The rounds below would take many limited steps to get there.
+    if abs(mean_gap) > FAR:
+        amplitudes.coefficients = amplitudes.coefficients * np.exp(mean_gap)
+        best = _compare(amplitudes, target_values)
     for _ in range(RATIO_ROUNDS):
         if effort.spent:
             return best
+        # The nodes are periods in decreasing order, and np.interp needs increasing ones.
         change = np.interp(amplitudes.nodes[::-1], amplitudes.periods, best.gaps[0])[::-1]
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-        best = _compare(amplitudes, wanted)
-    best = _improved(amplitudes, wanted, best)
+        best = _compare(amplitudes, target_values)
+    best = _improved(amplitudes, target_values, best)
     # Where peaks at two times hold each other, shaken multipliers find a way out.
     stream = np.random.default_rng(0)
     for _ in range(SHAKES):
         if best.error <= ENOUGH or best.error > HOPELESS or effort.spent:
             break
         amplitudes.logarithm = best.logarithm + SHAKE * stream.standard_normal(fineness.bands)
-        start = _compare(amplitudes, wanted)
-        best = min(best, _improved(amplitudes, wanted, start), key=lambda at: at.error)
+        start = _compare(amplitudes, target_values)
+        trial = _improved(amplitudes, target_values, start)
+        best = min(best, trial, key=lambda iterate: iterate.error)
     return best
 
 
@@ -243,20 +250,20 @@ class _Round(NamedTuple):
     error: float
 
 
-def _compare(amplitudes: _Amplitudes, wanted: Floats) -> _Round:
+def _compare(amplitudes: _Amplitudes, target_values: Floats) -> _Round:
     amplitudes.effort.count()
     motion = amplitudes.motion()
     spectrum = response_spectrum(motion, amplitudes.periods, DAMPING)
-    error = float(np.sqrt(np.mean((spectrum.acceleration / wanted - 1.0) ** 2)))
+    error = float(np.sqrt(np.mean((spectrum.acceleration / target_values - 1.0) ** 2)))
     order = np.argsort(-spectrum.peaks, axis=0, kind="stable")
     peaks = np.take_along_axis(spectrum.peaks, order, axis=0)
     times = np.take_along_axis(spectrum.peak_times, order, axis=0)
     # Where a response has one sign only, the other peak is zero.
-    gaps = np.log(wanted / np.maximum(peaks, SMALLEST_PEAK))
+    gaps = np.log(target_values / np.maximum(peaks, SMALLEST_PEAK))
     return _Round(amplitudes.logarithm.copy(), motion, times, gaps, error)
 
 
-def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
+def _improved(amplitudes: _Amplitudes, target_values: Floats, start: _Round) -> _Round:
     """Newton's rounds from a start, with damping that follows their success."""
     best, damping, errors = start, DAMPING_START, [start.error]
     linear: _Linear | None = None  # at the best round: most of the work, so kept while that stays
@@ -270,7 +277,9 @@ def _improved(amplitudes: _Amplitudes, wanted: Floats, start: _Round) -> _Round:
         linear = linear or _linear(amplitudes, best)
         change = _newton(amplitudes.fineness, linear, best, damping)
         amplitudes.logarithm = best.logarithm + np.clip(change, -LARGEST_STEP, LARGEST_STEP)
-        trial = _compare(amplitudes, wanted)
+        trial = _compare(amplitudes, target_values)
+        # As in Levenberg and Marquardt's method: a step that fails is repeated with more damping,
+        # about the same round.
         if trial.error < best.error:
             best, damping, linear = trial, damping / 2.0, None
         else:
@@ -286,27 +295,27 @@ class _Linear(NamedTuple):
     gaps: Floats  # [peak] logarithm of target / peak
 
 
-def _linear(amplitudes: _Amplitudes, at: _Round) -> _Linear:
+def _linear(amplitudes: _Amplitudes, iterate: _Round) -> _Linear:
     # The peak of the other sign must not grow where it is nearly as large.
-    rivals = np.flatnonzero(at.gaps[1] < NEARLY)
-    gaps = np.concatenate([at.gaps[0], np.minimum(at.gaps[1, rivals], 0.0)])
+    rivals = np.flatnonzero(iterate.gaps[1] < NEARLY)
+    gaps = np.concatenate([iterate.gaps[0], np.minimum(iterate.gaps[1, rivals], 0.0)])
     parts = amplitudes.sensitivity(
         np.concatenate([np.arange(len(amplitudes.periods)), rivals]),
-        np.concatenate([at.peak_times[0], at.peak_times[1, rivals]]),
+        np.concatenate([iterate.peak_times[0], iterate.peak_times[1, rivals]]),
     )
     return _Linear(parts / parts.sum(axis=1, keepdims=True), gaps)
 
 
-def _newton(fineness: _Fineness, linear: _Linear, at: _Round, damping: float) -> Floats:
+def _newton(fineness: _Fineness, linear: _Linear, iterate: _Round, damping: float) -> Floats:
     """Changes of the multipliers' logarithms that close the gaps, by damped least squares."""
     bands, roughness = fineness.bands, fineness.roughness
     bending = np.diff(np.eye(bands), 2, axis=0)
     weight = np.sqrt(damping)
-    size = weight * np.eye(bands)
-    system = np.vstack([linear.slopes, size, weight * bending, roughness * bending])
-    straight = -roughness * (bending @ at.logarithm)
-    right = np.concatenate([linear.gaps, np.zeros(2 * bands - 2), straight])
+    identity = weight * np.eye(bands)
+    system = np.vstack([linear.slopes, identity, weight * bending, roughness * bending])
+    straightening = -roughness * (bending @ iterate.logarithm)
+    right_side = np.concatenate([linear.gaps, np.zeros(2 * bands - 2), straightening])
     # The damping keeps the system of full rank, so that singular values, ten times as slow, are
     # not needed.
     columns, triangle = np.linalg.qr(system)
-    return np.asarray(scipy.linalg.solve_triangular(triangle, columns.T @ right))
+    return np.asarray(scipy.linalg.solve_triangular(triangle, columns.T @ right_side))

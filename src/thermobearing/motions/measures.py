@@ -48,11 +48,14 @@ def significant_interval(
     growth = _arias_growth(motion)
     if growth[-1] <= 0.0:
         raise InputError("is zero throughout and has no duration", motion.name)
+    # Of several samples with the same intensity, the interval begins after the last and ends at the
+    # first: zeros before and after the shaking do not lengthen it.
     sides: tuple[tuple[float, Any], ...] = ((start, "right"), (end, "left"))
-    after = [int(np.searchsorted(growth, share * growth[-1], side=side)) for share, side in sides]
+    indices = [int(np.searchsorted(growth, share * growth[-1], side=side)) for share, side in sides]
     times = [
-        (k - 1 + (share * growth[-1] - growth[k - 1]) / (growth[k] - growth[k - 1])) * motion.dt
-        for k, share in zip(after, (start, end), strict=True)
+        (index - 1 + (share * growth[-1] - growth[index - 1]) / (growth[index] - growth[index - 1]))
+        * motion.dt
+        for index, share in zip(indices, (start, end), strict=True)
     ]
     return float(times[0]), float(times[1])
 

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import is_number
 from thermobearing.core.types import Floats
@@ -24,6 +25,7 @@ class RotationMeasures(NamedTuple):
     rotd100: Floats  # largest over the angles
 
 
+@checked
 @dataclass(frozen=True)
 class MotionPair:
     """Two horizontal components of a ground motion and their direction in plan.
@@ -103,13 +105,15 @@ class MotionPair:
     def along(self, axis: Literal["x", "y"]) -> GroundMotion:
         """Return the component along an axis as a ground motion with the name of the pair."""
         values = self.rotated()[:, "xy".index(axis)].copy()
-        return replace(self.first, name=self.name, acceleration=values, component="")
+        # No combination of two records fits the spectrum of one.
+        target = self.first.target if axis == "x" and self.angle == 0.0 else None
+        return replace(self.first, name=self.name, acceleration=values, component="", target=target)
 
 
 def pair_direction(angle: float) -> tuple[float, float]:
     """Return the cosine and the sine of an angle [deg], exact at right angles."""
-    turned = math.radians(angle)
-    cosine, sine = math.cos(turned), math.sin(turned)
+    radians = math.radians(angle)
+    cosine, sine = math.cos(radians), math.sin(radians)
     return (float(round(cosine)), float(round(sine))) if angle % 90.0 == 0.0 else (cosine, sine)
 
 
@@ -119,8 +123,9 @@ def distinct_angles(angles: Sequence[float]) -> list[int]:
     Half a turn changes the sign of the motion, and the sign of every response of a structure and
     bearings that resist both signs alike.
     """
-    turned = [round(float(angle) % HALF_TURN, 9) % HALF_TURN for angle in angles]
-    return [place for place, angle in enumerate(turned) if angle not in turned[:place]]
+    # The second remainder is for angles that rounding brings to half a turn, which is zero again.
+    reduced = [round(float(angle) % HALF_TURN, 9) % HALF_TURN for angle in angles]
+    return [place for place, angle in enumerate(reduced) if angle not in reduced[:place]]
 
 
 def rotation_measures(values: ArrayLike, angles: Sequence[float] | None = None) -> RotationMeasures:
@@ -129,9 +134,9 @@ def rotation_measures(values: ArrayLike, angles: Sequence[float] | None = None) 
     NaN, of a run that failed, makes the measures NaN. Of `angles` [deg], those half a turn from an
     earlier one count once; by default all values count.
     """
-    found = np.asarray(values, dtype=np.float64)
-    found = found if angles is None else found[distinct_angles(angles)]
-    return RotationMeasures(np.median(found, axis=0), np.max(found, axis=0))
+    responses = np.asarray(values, dtype=np.float64)
+    responses = responses if angles is None else responses[distinct_angles(angles)]
+    return RotationMeasures(np.median(responses, axis=0), np.max(responses, axis=0))
 
 
 def _angle_faults(angle: object) -> list[str]:
@@ -144,23 +149,31 @@ def _angle_faults(angle: object) -> list[str]:
 
 def _misfits(first: GroundMotion, second: GroundMotion) -> list[str]:
     """Return how the steps and lengths of two records differ."""
-    names = [_name(first, second), _name(second, first)]
-    pairs = list(zip(names, (first, second), strict=True))
-    found = []
+    first_name, second_name = _name(first, second), _name(second, first)
+    faults = []
     if abs(first.dt - second.dt) > SAME_STEP * first.dt:
-        steps = " and ".join(f"{name} of {one.dt:g} s" for name, one in pairs)
-        found.append(f"time steps differ: {steps}")
+        faults.append(
+            f"time steps differ: {first_name} of {first.dt:g} s and {second_name} of "
+            f"{second.dt:g} s"
+        )
     if len(first.acceleration) != len(second.acceleration):
-        sizes = (f"{n} has {len(m.acceleration)} samples ({m.duration:g} s)" for n, m in pairs)
-        found.append(f"lengths differ: {' and '.join(sizes)}")
-    if found:
-        found[-1] += "; resample = true in the table of the motion, or --resample, makes them equal"
-    return found
+        faults.append(
+            f"lengths differ: {first_name} has {len(first.acceleration)} samples "
+            f"({first.duration:g} s) and {second_name} has {len(second.acceleration)} samples "
+            f"({second.duration:g} s)"
+        )
+    if faults:
+        faults[-1] += (
+            "; resample = true in the table of the motion, or --resample, makes them equal"
+        )
+    return faults
 
 
-def _name(motion: GroundMotion, other: GroundMotion) -> str:
+def _name(motion: GroundMotion, partner: GroundMotion) -> str:
     """Return the name of a record, with its component where the names are equal."""
-    return f"{motion.name} {motion.component}".strip() if motion.name == other.name else motion.name
+    if motion.name != partner.name:
+        return motion.name
+    return f"{motion.name} {motion.component}".strip()
 
 
 def make_pair(
@@ -177,11 +190,13 @@ def make_pair(
     the length of the shorter one.
     """
     if second is None:
-        still = replace(first, acceleration=np.zeros(len(first.acceleration)))
-        return MotionPair(first, still, angle, name or first.name)
+        zero_motion = replace(first, acceleration=np.zeros(len(first.acceleration)))
+        return MotionPair(first, zero_motion, angle, name or first.name)
     if resample:
         second = replace(resampled(second, first.dt), dt=first.dt)
         count = min(len(first.acceleration), len(second.acceleration))
         pair = (first, second)
-        first, second = (replace(one, acceleration=one.acceleration[:count]) for one in pair)
+        first, second = (
+            replace(record, acceleration=record.acceleration[:count]) for record in pair
+        )
     return MotionPair(first, second, angle, name)

@@ -34,6 +34,8 @@ def end_shapes(count: int, dt: float) -> tuple[Floats, Floats]:
     """
     place = np.linspace(0.0, 1.0, count)
     hump = np.sin(np.pi * place) ** 2
+    # What a sample adds to the ends, exact for an acceleration that is linear between samples: the
+    # area of its triangle (half of one at the ends), and that times the time from its centroid.
     velocity = np.full(count, dt)
     velocity[[0, -1]] = 0.5 * dt
     displacement = dt * dt * np.arange(count - 1, -1, -1, dtype=np.float64)
@@ -83,18 +85,22 @@ def baseline_corrected(motion: GroundMotion, *, high_pass: float | None = None) 
                 "more than two time steps",
                 motion.name,
             )
-        room = len(values) + int(2.0 / (high_pass * motion.dt))
-        frequency = np.asarray(np.fft.rfftfreq(room, motion.dt), dtype=np.float64)
-        spectrum = np.fft.rfft(values, room) * high_pass_gain(frequency, high_pass)
-        values = np.fft.irfft(spectrum, room)[: len(values)]
+        # The transform is periodic: zeros for two periods of the corner keep what the filter leaves
+        # after the last sample from coming back before the first.
+        padded_count = len(values) + int(2.0 / (high_pass * motion.dt))
+        frequency = np.asarray(np.fft.rfftfreq(padded_count, motion.dt), dtype=np.float64)
+        spectrum = np.fft.rfft(values, padded_count) * high_pass_gain(frequency, high_pass)
+        values = np.fft.irfft(spectrum, padded_count)[: len(values)]
     values = with_quiet_end(_without_drift(values, motion.dt), motion.dt)
     return replace(motion, acceleration=values)
 
 
-def _check_samples(count: float, what: str, motion: GroundMotion) -> None:
+def _check_samples(count: float, cause: str, motion: GroundMotion) -> None:
     """Raise InputError if a motion would have too many samples."""
     if count > MOST_SAMPLES:
-        raise InputError(f"{what} gives {count:.3g} samples, more than {MOST_SAMPLES}", motion.name)
+        raise InputError(
+            f"{cause} gives {count:.3g} samples, more than {MOST_SAMPLES}", motion.name
+        )
 
 
 def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
@@ -117,8 +123,8 @@ def resampled(motion: GroundMotion, dt: float) -> GroundMotion:
     if ratio > 1.0 and abs(ratio - round(ratio)) < SAME_STEP * ratio:
         parts = round(ratio)
         count = parts * (len(motion.acceleration) - 1) + 1
-        old = np.arange(len(motion.acceleration), dtype=np.float64)
-        values = np.interp(np.arange(count) / parts, old, motion.acceleration)
+        sample_numbers = np.arange(len(motion.acceleration), dtype=np.float64)
+        values = np.interp(np.arange(count) / parts, sample_numbers, motion.acceleration)
         return replace(motion, dt=motion.dt / parts, acceleration=values)
     fraction = Fraction(ratio).limit_denominator(LARGEST_RATIO)
     if fraction.numerator > LARGEST_RATIO or abs(fraction - ratio) > SAME_STEP * ratio:

@@ -8,14 +8,16 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from thermobearing.border.errors import InputError, nearest, printable, shortened
-from thermobearing.border.units import HUGEST, conversion
+from thermobearing.border.opener import is_file
+from thermobearing.border.units import FORTRAN_NUMBER, HUGEST, conversion
 from thermobearing.core.types import Floats
 from thermobearing.motions.record import GroundMotion, acceleration_unit, checked_motion, even_step
+from thermobearing.results.directory import MOTION, SUMMARY
 from thermobearing.tables.columns import (
     find_title,
     is_called,
@@ -32,12 +34,18 @@ from thermobearing.tables.text import (
     sheet_of_text,
 )
 
-NUMBER = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[EeDd][-+]?\d+)?")
+if TYPE_CHECKING:
+    from thermobearing.motions.targets import DesignSpectrum
+
+NUMBER = re.compile(FORTRAN_NUMBER)
+TARGET = "target:"  # begins the comment with the spectrum that a motion was made to fit
 LONGEST_LINE = 500  # characters of a header line that are examined
 WORKBOOKS = (".xlsx", ".xlsm")
 JMA_COMPONENTS = ("NS", "EW", "UD")
+LONGEST_DESCRIPTION = 300  # characters
+KNET_TITLE = 18  # characters of the title of an entry in a K-NET header
 KNET_COMPONENTS = {"1": "NS", "2": "EW", "3": "UD", "4": "NS", "5": "EW", "6": "UD"}
-_NUM, _MARKS = NUMBER.pattern, "".join(COMMENTS) + " "
+_NUM, _MARKS = FORTRAN_NUMBER, "".join(COMMENTS) + " "
 _AT2_NAMED = re.compile(rf"NPTS\s*=\s*(\d{{1,9}})\s*,?\s*DT\s*=\s*({_NUM})", re.IGNORECASE)
 _AT2_FIRST = re.compile(rf"^\s*(\d{{1,9}})\s*,?\s*({_NUM})\s+NPTS\s*,\s*DT", re.IGNORECASE)
 _AT2_UNIT = re.compile(
@@ -67,6 +75,7 @@ class _Raw(NamedTuple):
     instrument: bool = False
     description: str = ""
     component: str = ""
+    target: "DesignSpectrum | None" = None
 
 
 class _Column(NamedTuple):
@@ -91,29 +100,34 @@ def read_motion(
     Formats are PEER AT2 (all headers with NPTS and DT), K-NET and KiK-net ASCII, JMA CSV, and plain
     columns, also of a workbook: time and acceleration, or accelerations alone.
 
-    `unit` ("g", "gal", "m/s2", "cm/s2", "mm/s2") and `dt` [s] are given where the file does not
-    state them, `component` by name ("NS") or number from 1 where it holds several. A largest
-    acceleration outside 100 to 2000 gal (K-NET, KiK-net and JMA, where the unit belongs to the
-    format: 10 to 5000 gal) is refused unless `trust_unit`. Gaps, uneven steps, cells that are not
-    finite numbers and contradictions between file and arguments are errors.
+    A largest acceleration outside 100 to 2000 gal (K-NET, KiK-net and JMA, where the unit belongs
+    to the format: 10 to 5000 gal) is refused unless `trust_unit`. Gaps, uneven steps, cells that
+    are not finite numbers and contradictions between file and arguments are errors.
+
+    Parameters
+    ----------
+    unit : unit of the acceleration (g, gal, m/s2, cm/s2 or mm/s2), if the file has none.
+    dt : time step [s], if the file has none.
+    component : component, by name (NS) or number from 1, if the file has several.
+    trust_unit : accept a peak acceleration that is implausible for the unit.
     """
     path = Path(path)
     try:
         raw = _read(_text(path), None if component is None else str(component).strip())
-        own = unit or raw.unit
-        if own is None:
+        effective_unit = unit or raw.unit
+        if effective_unit is None:
             raise InputError(
                 "the file does not state the unit of the acceleration; give unit: g, gal, m/s2, "
                 "cm/s2 or mm/s2"
             )
-        if raw.unit and acceleration_unit(raw.unit) != acceleration_unit(own):
+        if raw.unit and acceleration_unit(raw.unit) != acceleration_unit(effective_unit):
             raise InputError(
                 f'unit "{unit}" was given, but the file states "{raw.unit}"; '
                 "correct the file if it is wrong"
             )
         motion = checked_motion(
             raw.values,
-            own,
+            effective_unit,
             raw.dt,
             dt,
             trusted=trust_unit,
@@ -123,7 +137,15 @@ def read_motion(
         )
     except InputError as error:
         raise error.located(path) from None
-    return replace(motion, name=name or printable(path.stem))
+    return replace(motion, name=name or printable(_name(path)), target=raw.target)
+
+
+def _name(path: Path) -> str:
+    """Return the name of a file without its ending; of a result directory that of the folder."""
+    # Every result of `motions make` has a file of the same name.
+    folder = path.absolute().parent
+    is_result = path.name == MOTION and is_file(folder / SUMMARY)
+    return folder.name if is_result and folder.name else path.stem
 
 
 def _text(path: Path) -> str:
@@ -146,8 +168,8 @@ def _read(text: str, component: str | None) -> _Raw:
         return _read_jma(lines, component)
     for place, line in enumerate(lines[:30]):  # a header of AT2: number of points, time step [s]
         text = line[:LONGEST_LINE]
-        if found := _AT2_NAMED.search(text) or _AT2_FIRST.search(text):
-            return _read_at2(lines, component, place, int(found[1]), _number(found[2]))
+        if match := _AT2_NAMED.search(text) or _AT2_FIRST.search(text):
+            return _read_at2(lines, component, place, int(match[1]), _number(match[2]))
     return _read_columns(lines, component)
 
 
@@ -161,42 +183,42 @@ def _number(cell: str) -> float:
 
 def _rows(rows: Iterable[Row], width: int, separator: str = ",") -> list[list[float]]:
     """Rows of numbers; InputError, with the line, for another length or a cell that is none."""
-    found = []
+    numbers = []
     for line, cells in rows:
         try:
             if len(cells) != width:
-                shown = shortened(separator.join(cells).strip())
+                text = shortened(separator.join(cells).strip())
                 raise InputError(
-                    f'"{shown}" has {len(cells)} columns instead of {width} (a gap in the record?)'
+                    f'"{text}" has {len(cells)} columns instead of {width} (a gap in the record?)'
                 )
-            found.append([_number(cell) for cell in cells])
+            numbers.append([_number(cell) for cell in cells])
         except InputError as error:
             raise InputError(error.lines(f"line {line}")) from None
-    return found
+    return numbers
 
 
 def _running_numbers(lines: Iterable[tuple[int, str]]) -> Floats:
     """Return the numbers of lines of any length; columns may touch each other."""
-    found: list[float] = []
+    numbers: list[float] = []
     for line, text in lines:
-        left = NUMBER.sub(" ", text).replace(",", " ").split()
-        if left:
-            what = "is not a finite number" if is_not_finite(left[0]) else "is not a number"
-            raise InputError(f'line {line}: "{shortened(left[0])}" {what}')
+        words = NUMBER.sub(" ", text).replace(",", " ").split()
+        if words:
+            fault = "is not a finite number" if is_not_finite(words[0]) else "is not a number"
+            raise InputError(f'line {line}: "{shortened(words[0])}" {fault}')
         items = NUMBER.findall(text)
-        found += [value for row in _rows([(line, items)], len(items)) for value in row]
-    return np.array(found)
+        numbers += [value for row in _rows([(line, items)], len(items)) for value in row]
+    return np.array(numbers)
 
 
 def _entry(text: str) -> float | None:
     """Return the number that an entry of a header begins with, if it does."""
-    found = NUMBER.match(text)
-    return _number(found[0]) if found else None
+    match = NUMBER.match(text)
+    return _number(match[0]) if match else None
 
 
-def _only_component(component: str | None, held: str = "one component") -> None:
+def _only_component(component: str | None, contents: str = "one component") -> None:
     if component not in (None, "1"):
-        raise InputError(f'has {held}, and no component "{component}"')
+        raise InputError(f'has {contents}, and no component "{component}"')
 
 
 def _read_at2(lines: list[str], component: str | None, place: int, points: int, dt: float) -> _Raw:
@@ -211,11 +233,13 @@ def _read_at2(lines: list[str], component: str | None, place: int, points: int, 
         if text.strip() and not text.lstrip().startswith(("*", "#", "%"))
     )
     if len(values) != points:
-        more = "fewer: a gap, or the file is cut off" if len(values) < points else "more"
-        raise InputError(f"states NPTS = {points}, but contains {len(values)} numbers ({more})")
+        difference = "fewer: a gap, or the file is cut off" if len(values) < points else "more"
+        raise InputError(
+            f"states NPTS = {points}, but contains {len(values)} numbers ({difference})"
+        )
     unit = _AT2_UNIT.search(header)
-    about = "; ".join(line.strip() for line in lines[:place][:2] if line.strip())
-    return _Raw(values, dt, unit[1] if unit else None, description=about)
+    description = "; ".join(line.strip() for line in lines[:place][:2] if line.strip())
+    return _Raw(values, dt, unit[1] if unit else None, description=description)
 
 
 def _read_knet(lines: list[str], component: str | None) -> _Raw:
@@ -227,17 +251,23 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
     place = next((k for k, line in enumerate(lines) if line.lower().startswith("memo")), None)
     if place is None:
         raise InputError('is a K-NET file without the line "Memo." that ends its header')
-    entries = {re.sub(r"[^a-z]", "", x[:18].lower()): x[18:].strip() for x in lines[: place + 1]}
+    entries = {
+        re.sub(r"[^a-z]", "", line[:KNET_TITLE].lower()): line[KNET_TITLE:].strip()
+        for line in lines[: place + 1]
+    }
     direction = entries.get("dir", "")
-    held = KNET_COMPONENTS.get(direction, direction.replace("-", ""))
-    if component is None or find_title([held], component) is None:
-        _only_component(component, f"the component {held}")
+    component_name = KNET_COMPONENTS.get(direction, direction.replace("-", ""))
+    if component is None or find_title([component_name], component) is None:
+        _only_component(component, f"the component {component_name}")
     frequency = _entry(entries.get("samplingfreqhz", ""))
     if frequency is None or frequency <= 0.0:
         raise InputError('has no usable "Sampling Freq(Hz)"')
-    found = _SCALE.match(entries.get("scalefactor", ""))
-    scale = (_number(found[1]), _number(found[2])) if found else (0.0, 0.0)  # [gal], [counts]
-    if found is None or abs(scale[1]) <= abs(scale[0]) / HUGEST:
+    scale_match = _SCALE.match(entries.get("scalefactor", ""))
+    gal, divisor = 0.0, 0.0
+    if scale_match is not None:
+        gal, divisor = _number(scale_match[1]), _number(scale_match[2])
+    # Without a factor, with a divisor of zero, or with one whose quotient is not a finite number.
+    if abs(divisor) <= abs(gal) / HUGEST:
         raise InputError('has no usable "Scale Factor", such as 3920(gal)/6170801')
     body = enumerate(lines[place + 1 :], place + 2)
     counts = _running_numbers((line, text) for line, text in body if text.strip())
@@ -249,17 +279,19 @@ def _read_knet(lines: list[str], component: str | None) -> _Raw:
             f"states {points} samples ({points * dt:g} s), but contains {len(counts)}: a gap, or "
             "the file is cut off"
         )
-    values = (counts - counts.mean()) * scale[0] / scale[1]
-    stated = _entry(entries.get("maxaccgal", ""))
+    values = (counts - counts.mean()) * gal / divisor
+    stated_peak = _entry(entries.get("maxaccgal", ""))
     largest = float(np.abs(values).max())
-    if stated is not None and abs(largest - stated) > 0.01 * stated + 0.01:
+    if stated_peak is not None and abs(largest - stated_peak) > 0.01 * stated_peak + 0.01:
         raise InputError(
-            f"states Max. Acc. {stated:g} gal, but its largest value is {largest:.4g} gal: is the "
-            "scale factor right?"
+            f"states Max. Acc. {stated_peak:g} gal, but its largest value is {largest:.4g} gal: is "
+            "the scale factor right?"
         )
     station, origin = entries.get("stationcode", ""), entries.get("origintime", "")
-    text = f"{station} {held}, earthquake of {origin}"
-    return _Raw(values, dt, "gal", instrument=True, description=text, component=held)
+    description = f"{station} {component_name}, earthquake of {origin}"
+    return _Raw(
+        values, dt, "gal", instrument=True, description=description, component=component_name
+    )
 
 
 def _read_jma(lines: list[str], component: str | None) -> _Raw:
@@ -270,8 +302,8 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
         raise InputError('is a JMA file without the line "NS,EW,UD" above its columns')
     titles = heads[place]
     pairs = (line.partition("=") for line in lines[:place])
-    head = {key.strip().lower(): value.strip() for key, _, value in pairs}
-    rate = _entry(head.get("sampling rate", ""))
+    entries = {key.strip().lower(): value.strip() for key, _, value in pairs}
+    rate = _entry(entries.get("sampling rate", ""))
     if rate is None or rate <= 0.0:
         raise InputError('has no usable "SAMPLING RATE"')
     if component is None:
@@ -281,45 +313,58 @@ def _read_jma(lines: list[str], component: str | None) -> _Raw:
         place_of_title = find_title(titles, component)
     if place_of_title is None:
         raise InputError(f'no component "{component}"{nearest(component.upper(), titles)}')
-    wanted = titles[place_of_title]
+    component_name = titles[place_of_title]
     body = enumerate(lines[place + 1 :], place + 2)
     rows = _rows(((line, text.split(",")) for line, text in body if text.strip()), len(titles))
-    unit = head.get("unit", "").split("(")[0].strip() or None
+    unit = entries.get("unit", "").split("(")[0].strip() or None
     site = lines[0].partition("=")[2].split(",")[0].strip()
-    about = f"JMA {site} {wanted}, from {head.get('initial time', '')}"
+    description = f"JMA {site} {component_name}, from {entries.get('initial time', '')}"
     series = np.array([row[place_of_title] for row in rows])
-    return _Raw(series, 1.0 / rate, unit, unit is not None, about, wanted)
+    return _Raw(series, 1.0 / rate, unit, unit is not None, description, component_name)
 
 
 def _read_columns(lines: list[str], component: str | None) -> _Raw:
     """Return columns of numbers below a free header."""
     sheet = sheet_of_text("\n".join(lines), quotes=False)
     # Empty columns are omitted: two tabs between numbers are one separator.
-    held = sorted({c for _, cells in sheet.rows for c, cell in enumerate(cells) if cell.strip()})
+    filled_columns = sorted(
+        {c for _, cells in sheet.rows for c, cell in enumerate(cells) if cell.strip()}
+    )
     rows = [
-        (line, [sheet.plain(cells[c]) for c in held if c < len(cells)])
+        (line, [sheet.plain(cells[c]) for c in filled_columns if c < len(cells)])
         for line, cells in sheet.rows
     ]
     first = next((k for k, (_, cells) in enumerate(rows) if _is_row(cells)), None)
     if first is None:
         raise InputError("contains no numbers; is it an accelerogram?")
     start, width = rows[first][0], len(rows[first][1])
-    header = [line[:LONGEST_LINE] for line in lines[: start - 1] if line.strip()]
+    target = None
+    header = []
+    for line in lines[: start - 1]:
+        comment = line.lstrip(_MARKS)
+        if comment.startswith(TARGET) and comment != line:
+            from thermobearing.motions.targets import read_target  # few files need scipy
+
+            target = read_target(comment.removeprefix(TARGET))
+        elif line.strip():
+            header.append(line[:LONGEST_LINE])
     table = np.array(_rows(rows[first:], width, sheet.separator))
-    time, others = _sorted_columns(header, table, width)
+    time, components = _sorted_columns(header, table, width)
     dt = None
     if time is None:
-        stated = _STEP.search(" ".join(header))  # such as "dt=0.005 sec"
-        if stated:
-            dt = _number(stated[1]) * (1e-3 if (stated[2] or "").lower() == "ms" else 1.0)
+        step_match = _STEP.search(" ".join(header))  # such as "dt=0.005 sec"
+        if step_match:
+            dt = _number(step_match[1]) * (1e-3 if (step_match[2] or "").lower() == "ms" else 1.0)
     elif len(table) > 1:
         scale, _ = conversion(plain_unit(time.unit or "s"), "s")
         dt = even_step(table[:, time.number] * scale, [line for line, _ in rows[first:]])
-    column = _chosen(others, component)
+    column = _select_component(components, component)
     unit = column.unit or _unit_in_header(header)
-    about = " ".join(line.strip().lstrip(_MARKS) for line in header if len(line.split()) > 3)
-    name = column.name if len(others) > 1 else ""
-    return _Raw(table[:, column.number], dt, unit, description=about[:200], component=name)
+    description = " ".join(line.strip().lstrip(_MARKS) for line in header if len(line.split()) > 3)
+    name = column.name if len(components) > 1 else ""
+    description = description[:LONGEST_DESCRIPTION]
+    values = table[:, column.number]
+    return _Raw(values, dt, unit, description=description, component=name, target=target)
 
 
 def _is_row(cells: list[str]) -> bool:
@@ -330,18 +375,18 @@ def _is_row(cells: list[str]) -> bool:
 
 def _unit_in_header(header: list[str]) -> str | None:
     """Return a unit of acceleration in the free header, such as "Acc. in cm/sec^2"."""
-    found = {next(part for part in match if part) for match in _UNIT.findall(" ".join(header))}
-    sizes = {acceleration_unit(text) for text in found}
+    units = {next(part for part in match if part) for match in _UNIT.findall(" ".join(header))}
+    sizes = {acceleration_unit(text) for text in units}
     if len(sizes) > 1:
-        raise InputError(f"the header names several units: {', '.join(sorted(found))}; give unit")
-    return min(found, default=None)
+        raise InputError(f"the header names several units: {', '.join(sorted(units))}; give unit")
+    return min(units, default=None)
 
 
 def _titles(header: list[str], width: int) -> list[str] | None:
     """Names of the columns from the last line of the header, or from one above a row of units."""
-    found = [_cells(line, width) for line in header[-2:]]
-    last = found[-1] if found else None
-    above = found[0] if len(found) > 1 else None
+    candidates = [_cells(line, width) for line in header[-2:]]
+    last = candidates[-1] if candidates else None
+    above = candidates[0] if len(candidates) > 1 else None
     if last is None or above is None or not all(map(_is_unit, last)):
         return last
     return [f"{name} [{unit}]" for name, unit in zip(above, last, strict=True)]
@@ -368,26 +413,29 @@ def _sorted_columns(
 ) -> tuple[_Column | None, list[_Column]]:
     """Return the column of time, if there is one, and those of acceleration."""
     titles = _titles(header, width)
-    columns = [_Column(at, title, None) for at, title in enumerate(titles or [""] * width)]
-    for at, title in enumerate(titles or []):
+    columns = [_Column(number, title, None) for number, title in enumerate(titles or [""] * width)]
+    for number, title in enumerate(titles or []):
         name, unit = name_and_unit(title)
         if unit and _NAME.fullmatch(name):  # "dt = 0.01 s" is no title
-            columns[at] = _Column(at, name, unit)
-    clock = next((column for column in columns if is_called(column.name, "time")), None)
-    if clock is not None:
-        return clock, [column for column in columns if column is not clock]
+            columns[number] = _Column(number, name, unit)
+    time_column = next((column for column in columns if is_called(column.name, "time")), None)
+    if time_column is not None:
+        return time_column, [column for column in columns if column is not time_column]
     if titles:
         return None, columns
+    # Without titles, a first column that increases throughout is time: no acceleration does.
     if width > 1 and len(table) > 2 and (np.diff(table[:, 0]) > 0.0).all():
         return columns[0], columns[1:]
-    # Two columns under a comment that states their directions in this order.
-    ways = [way.upper().replace("-", "") for way in _DIRECTION.findall(" ".join(header))]
-    if len(ways) == width and len(set(ways)) == width:
-        columns = [_Column(at, way, None) for at, way in enumerate(ways)]
+    # Columns under a comment that states their directions in this order.
+    directions = [
+        direction.upper().replace("-", "") for direction in _DIRECTION.findall(" ".join(header))
+    ]
+    if len(directions) == width and len(set(directions)) == width:
+        columns = [_Column(number, direction, None) for number, direction in enumerate(directions)]
     return None, columns
 
 
-def _chosen(columns: list[_Column], component: str | None) -> _Column:
+def _select_component(columns: list[_Column], component: str | None) -> _Column:
     """Return the wanted component; InputError if there are several and none was chosen."""
     if not columns:
         raise InputError("has a column of time, but none of acceleration")

@@ -1,13 +1,18 @@
 """Ground accelerations, evenly sampled, with checks of time step, unit and amplitude."""
 
+import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.units import HUGEST, is_number, number_list
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.units import HUGEST, is_number, number_list, split_quantity
 from thermobearing.core.types import Floats
+
+if TYPE_CHECKING:
+    from thermobearing.motions.targets import DesignSpectrum
 
 MM_S2_PER_GAL = 10.0
 MOST_SAMPLES = 2_000_000  # of a motion, read, resampled or padded: an hour at 500 Hz
@@ -39,6 +44,7 @@ LARGEST_DT, SMALLEST_DT = 0.1, 1e-5  # plausible time steps of an accelerogram [
 OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even grid
 
 
+@checked
 @dataclass(frozen=True)
 class GroundMotion:
     """Acceleration of the ground.
@@ -50,6 +56,7 @@ class GroundMotion:
     acceleration : [n] ground acceleration [mm/s2]; 10 mm/s2 = 1 gal.
     description, citation : content and origin.
     component : direction, such as "NS", if that is known; distinguishes motions of one name.
+    target : spectrum that a generated motion was made to fit; None for others.
 
     Raises
     ------
@@ -69,6 +76,7 @@ class GroundMotion:
     description: str = ""
     citation: str = ""
     component: str = ""
+    target: "DesignSpectrum | None" = None
 
     def __post_init__(self) -> None:
         where = f'GroundMotion "{self.name}"'
@@ -132,40 +140,53 @@ def acceleration_unit(text: str) -> float:
     >>> acceleration_unit("gal"), acceleration_unit("cm/sec^2")
     (10.0, 10.0)
     """
-    plain = text.strip().lower().replace(" ", "").replace("^", "").replace("**", "")
-    plain = plain.replace("²", "2")
-    if plain not in ACCELERATION_UNITS:
-        hint = nearest(plain, ["g", "gal", "cm/s2", "m/s2", "mm/s2"])
+    normalised = text.strip().lower().replace(" ", "").replace("^", "").replace("**", "")
+    normalised = normalised.replace("²", "2")
+    if normalised not in ACCELERATION_UNITS:
+        hint = nearest(normalised, ["g", "gal", "cm/s2", "m/s2", "mm/s2"])
         raise InputError(f'unknown unit of acceleration "{text}"{hint}')
-    return ACCELERATION_UNITS[plain]
+    return ACCELERATION_UNITS[normalised]
 
 
-def even_step(time: Floats, lines: list[int], what: str = "line") -> float:
+def parse_acceleration(text: str) -> float:
+    """Return the acceleration of a text such as "0.4 g" [mm/s2].
+
+    >>> parse_acceleration("0.5 g"), parse_acceleration("2 m/s2")
+    (4903.325, 2000.0)
+    """
+    number, unit = split_quantity(text) or ("", "")
+    if not unit or not math.isfinite(float(number)):
+        raise InputError(f'"{shortened(text)}": give a number with its unit, such as "2 m/s2"')
+    return float(number) * acceleration_unit(unit)
+
+
+def even_step(time: Floats, lines: list[int], row_name: str = "line") -> float:
     """Return the time step of evenly spaced times [s]; a gap or an uneven step is an error.
 
-    `lines` numbers the times, as lines of a file or samples of an array (`what`).
+    `lines` numbers the times, as lines of a file or samples of an array (`row_name`).
     """
     steps = np.diff(time)
     if (steps <= 0.0).any():
         k = int(np.argmax(steps <= 0.0))
         raise InputError(
-            f"{what} {lines[k + 1]}: time does not increase, from {time[k]:g} s to "
+            f"{row_name} {lines[k + 1]}: time does not increase, from {time[k]:g} s to "
             f"{time[k + 1]:g} s"
         )
-    usual = float(np.median(steps))
+    median_step = float(np.median(steps))
+    # A missing sample doubles its step; rounding of printed times (OFF_GRID) changes it by less.
     gap = int(steps.argmax())
-    if steps[gap] > 1.5 * usual:
+    if steps[gap] > 1.5 * median_step:
         raise InputError(
-            f"{what} {lines[gap + 1]}: a gap of {steps[gap]:g} s, from {time[gap]:g} s to "
-            f"{time[gap + 1]:g} s; the time step is {usual:g} s elsewhere"
+            f"{row_name} {lines[gap + 1]}: a gap of {steps[gap]:g} s, from {time[gap]:g} s to "
+            f"{time[gap + 1]:g} s; the time step is {median_step:g} s elsewhere"
         )
     dt = float(time[-1] - time[0]) / len(steps)
-    off = np.abs(time - time[0] - dt * np.arange(len(time)))
-    if off.max() > OFF_GRID * dt:
-        k = int(np.argmax(np.abs(steps - usual) > OFF_GRID * usual))
+    offsets = np.abs(time - time[0] - dt * np.arange(len(time)))
+    if offsets.max() > OFF_GRID * dt:
+        k = int(np.argmax(np.abs(steps - median_step) > OFF_GRID * median_step))
         raise InputError(
-            f"{what} {lines[k + 1]}: uneven time steps, {steps[k]:g} s here and {usual:g} s "
-            "elsewhere; resample the record to even steps first"
+            f"{row_name} {lines[k + 1]}: uneven time steps, {steps[k]:g} s here and "
+            f"{median_step:g} s elsewhere; resample the record to even steps first"
         )
     return round(dt, 9)
 
@@ -173,8 +194,8 @@ def even_step(time: Floats, lines: list[int], what: str = "line") -> float:
 def checked_motion(
     values: Floats,
     unit: str,
-    found: float | None,
-    given: float | None,
+    stated_dt: float | None,
+    requested_dt: float | None,
     *,
     trusted: bool,
     instrument: bool = False,
@@ -184,21 +205,25 @@ def checked_motion(
 ) -> GroundMotion:
     """Return a motion after checks of length, time step, unit and amplitude.
 
-    `values` are in `unit`; `found` is the time step of the file or of the times, `given` that of
-    the caller [s].
+    `values` are in `unit`; `stated_dt` is the time step of the file or of the times,
+    `requested_dt` that of the caller [s].
     """
     if not SHORTEST <= len(values) <= MOST_SAMPLES:
         limit = f"at least {SHORTEST} are needed"
         if len(values) > SHORTEST:
             limit = f"at most {MOST_SAMPLES} can be used"
         raise InputError(f"has {len(values)} samples; {limit}")
-    if given is not None and not (np.isfinite(given) and given > 0.0):
-        raise InputError(f"dt = {given:g} s: must be > 0")
-    dt = given if found is None else found
+    if requested_dt is not None and not (np.isfinite(requested_dt) and requested_dt > 0.0):
+        raise InputError(f"dt = {requested_dt:g} s: must be > 0")
+    dt = requested_dt if stated_dt is None else stated_dt
     if dt is None:
         raise InputError("the file does not state the time step; give dt [s]")
-    if found is not None and given is not None and abs(found / given - 1.0) > 1e-3:
-        raise InputError(f"dt = {given:g} s was given, but the file has {found:g} s")
+    if (
+        stated_dt is not None
+        and requested_dt is not None
+        and abs(stated_dt / requested_dt - 1.0) > 1e-3
+    ):
+        raise InputError(f"dt = {requested_dt:g} s was given, but the file has {stated_dt:g} s")
     if not SMALLEST_DT <= dt <= LARGEST_DT:
         raise InputError(
             f"a time step of {dt:g} s is outside {SMALLEST_DT:g} to {LARGEST_DT:g} s; "
@@ -214,27 +239,28 @@ def check_size(pga: float, unit: str, *, instrument: bool, trusted: bool) -> Non
     """Reject an implausible peak acceleration [mm/s2], which suggests a wrong unit."""
     gal, size = pga / MM_S2_PER_GAL, acceleration_unit(unit)
     if gal < SMALLEST:
-        about = "zero" if gal == 0.0 else f"less than {SMALLEST:g} gal"
-        raise InputError(f"the acceleration is {about} throughout")
+        amount = "zero" if gal == 0.0 else f"less than {SMALLEST:g} gal"
+        raise InputError(f"the acceleration is {amount} throughout")
     low, high = INSTRUMENT if instrument else ASSERTED
     if trusted or low <= gal <= high:
         return
     number = pga / size
     sizes = {name: ACCELERATION_UNITS[name] for name in ("g", "m/s2", "gal", "mm/s2")}
-    plain = next(name for name, other in sizes.items() if other == size)
+    unit_name = next(name for name, factor in sizes.items() if factor == size)
     plausible = [
-        f"{number * other / MM_S2_PER_GAL:.0f} gal if the numbers are in {name}"
-        for name, other in sizes.items()
-        if other != size and ASSERTED[0] <= number * other / MM_S2_PER_GAL <= ASSERTED[1]
+        f"{number * factor / MM_S2_PER_GAL:.0f} gal if the numbers are in {name}"
+        for name, factor in sizes.items()
+        if factor != size and ASSERTED[0] <= number * factor / MM_S2_PER_GAL <= ASSERTED[1]
     ]
     guess = f"; it would be {' or '.join(plausible)}" if plausible else ""
     raise InputError(
-        f"largest acceleration {number:.4g} {plain} = {gal:.4g} gal is outside "
+        f"largest acceleration {number:.4g} {unit_name} = {gal:.4g} gal is outside "
         f"{low:g} to {high:g} gal: is the unit wrong{guess}? If the unit is right, confirm it with "
         "trust_unit"
     )
 
 
+@checked
 def motion_from_arrays(
     acceleration: Any,
     *,
@@ -270,19 +296,19 @@ def motion_from_arrays(
     """
     try:
         values = number_list(acceleration, "acceleration")
-        found = None
+        time_step = None
         if time is not None:
             times = number_list(time, "time [s]")
             if len(times) != len(values):
                 raise InputError(f"{len(times)} times and {len(values)} accelerations")
             if len(times) >= SHORTEST:
-                found = even_step(times, list(range(1, len(times) + 1)), "sample")
+                time_step = even_step(times, list(range(1, len(times) + 1)), "sample")
         if dt is not None and not is_number(dt):
             raise InputError(f"dt = {dt!r}: must be a number of seconds")
         if not isinstance(unit, str):
             raise InputError(f'unit = {unit!r}: must be text, such as "gal"')
         return checked_motion(
-            values, unit, found, dt, trusted=trust_unit, name=str(name), component=component
+            values, unit, time_step, dt, trusted=trust_unit, name=str(name), component=component
         )
     except InputError as error:
         raise InputError(error.problems, f'motion "{name}"') from None

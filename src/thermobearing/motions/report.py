@@ -11,22 +11,18 @@ from thermobearing.motions.run import (
     PAIR_SPECTRA,
     SPECTRA,
     measures_table,
+    reference_words,
     spectrum_table,
-    standard_words,
 )
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import identity_rows, tidy
 from thermobearing.report.content import saved_figures, with_plot
 from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces, Plot, ReportFigure, Trace
-from thermobearing.report.words import identity_rows, tidy
 from thermobearing.results.directory import MOTION
 from thermobearing.results.saved import SavedResult
 from thermobearing.tables.text import read_text
 
-CAPTIONS = {
-    "motion": "Acceleration, velocity and displacement of the ground.",
-    "spectrum": "Response spectrum of the motion compared with the standard one.",
-}
 ROTATED = (
     "RotD50 and RotD100 are the median and the largest of the largest responses along a horizontal "
     "axis at 180 angles to the records, 1 deg apart, at each period on its own (Boore, Bulletin of "
@@ -41,17 +37,15 @@ def build_pieces(saved: SavedResult) -> Pieces:
     summary = saved.summary
     name = str(summary["motion"])
     standard = summary.get("standard_spectrum")
-    compared = (
-        f", compared with the standard spectrum of {standard_words(standard)}" if standard else ""
-    )
-    about = tidy(str(summary.get("description") or name))
-    about_it = {"motion": "Name", "description": "Description", "citation": "Source"}
-    origin = [(word, str(summary[key])) for key, word in about_it.items() if summary.get(key)]
+    compared = f", compared with {reference_words(standard)}" if standard else ""
+    description = tidy(str(summary.get("description") or name))
+    origin_labels = {"motion": "Name", "description": "Description", "citation": "Source"}
+    origin = [(word, str(summary[key])) for key, word in origin_labels.items() if summary.get(key)]
     return Pieces(
         command="motions",
         title=f"Ground motion {name}",
         question=f"This report gives the strength, the duration and the response spectrum of the "
-        f"ground motion {name}{compared}. {about}",
+        f"ground motion {name}{compared}. {description}",
         answer=_answer(summary),
         inputs={"origin": Table("The motion", [Quantity("What"), Quantity("Value")], origin)},
         tables={"measures": measures_table(summary), **_spectrum(saved)},
@@ -75,7 +69,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
 
 def _answer(summary: Mapping[str, Any]) -> list[str]:
     """Return sentences on peaks, duration and the fit to the standard spectrum."""
-    found = [
+    sentences = [
         f"The peak acceleration is {summary['pga_gal']:.0f} gal, the peak velocity "
         f"{summary['pgv_cm_s']:.1f} cm/s and the peak displacement {summary['pgd_cm']:.1f} cm.",
         f"Of its {summary['duration_s']:.1f} s, {summary['significant_duration_s']:.1f} s hold 5 "
@@ -83,23 +77,23 @@ def _answer(summary: Mapping[str, Any]) -> list[str]:
     ]
     standard = summary.get("standard_spectrum")
     if standard and standard["misfit_rms"] is not None:
-        found.append(
-            f"Its spectrum is {100.0 * standard['misfit_rms']:.1f} % rms different from that of "
-            f"{standard_words(standard)}, over 0.1 to 3 s."
+        sentences.append(
+            f"Its spectrum is {100.0 * standard['misfit_rms']:.1f} % rms different from "
+            f"{reference_words(standard)}, over 0.1 to 3 s."
         )
     elif not standard:
-        found.append("It was not compared with a standard spectrum.")
+        sentences.append("It was not compared with another spectrum.")
     if across := summary.get("across"):
         first, second = summary["records"]
-        found.insert(
+        sentences.insert(
             0,
             f"The motion is a pair of two horizontal components, {first} and {second}; the numbers "
             f"below are those of {first}. The peak acceleration of {second} is "
             f"{across['pga_gal']:.0f} gal.",
         )
     if summary["outcome"] != "completed":
-        found.insert(0, f"The motion does not fit its spectrum ({summary['outcome']}).")
-    return found
+        sentences.insert(0, f"The motion does not fit its spectrum ({summary['outcome']}).")
+    return sentences
 
 
 def _spectrum(saved: SavedResult) -> dict[str, Table]:
@@ -108,6 +102,7 @@ def _spectrum(saved: SavedResult) -> dict[str, Table]:
         return {}
     table = saved["spectrum"].astype(float)
     periods = table["period_s"].to_numpy()
+    # 1.0001: the last period of the file is rounded.
     chosen = [t for t in PERIODS if periods[0] <= t <= periods[-1] * 1.0001]
     names = [name for name in dict.fromkeys(SPECTRA + PAIR_SPECTRA) if name in table]
     frame = pd.DataFrame({name: np.interp(chosen, periods, table[name]) for name in names})
@@ -116,7 +111,7 @@ def _spectrum(saved: SavedResult) -> dict[str, Table]:
 
 def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
     """Return drawn figures, with the acceleration and the spectrum as plots."""
-    found = saved_figures(saved, CAPTIONS)
+    figures = saved_figures(saved, "motions")
     if "motion" in saved.tables:
         table = saved["motion"].astype(float)
         time = table["t_s"].to_numpy()
@@ -126,7 +121,7 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
             for name, column, colour in zip(names, *RECORDS, strict=False)
         ]
         plot = Plot("time [s]", "acceleration [gal]", {"all": traces})
-        found = with_plot(found, "motion", plot, CAPTIONS)
+        figures = with_plot(figures, "motion", plot, "motions")
     if "spectrum" in saved.tables:
         table = saved["spectrum"].astype(float)
         x = table["period_s"].to_numpy()
@@ -139,12 +134,13 @@ def _figures(saved: SavedResult) -> dict[str, ReportFigure]:
                 ("rotd50_gal", "RotD50", "#1a1a1a", "line"),
                 ("rotd100_gal", "RotD100", "#1a1a1a", "dashed"),
                 ("standard_gal", "standard", "#CC3311", "dashed"),
+                ("target_gal", "target", "#CC3311", "dashed"),
             )
             if name in table
         ]
         plot = Plot("period [s]", "response acceleration [gal]", {"all": traces})
-        found = with_plot(found, "spectrum", plot, CAPTIONS)
-    return found
+        figures = with_plot(figures, "spectrum", plot, "motions")
+    return figures
 
 
 def _checks(standard: Mapping[str, Any] | None) -> list[Check]:
@@ -152,6 +148,6 @@ def _checks(standard: Mapping[str, Any] | None) -> list[Check]:
     if not standard or standard["misfit_rms"] is None:
         return []
     misfit, limit = 100.0 * float(standard["misfit_rms"]), 100.0 * LARGEST_MISFIT
-    what = "misfit to the standard spectrum, rms over 0.1 to 3 s"
+    name = "misfit to the standard spectrum, rms over 0.1 to 3 s"
     source = "limit of generated motions"
-    return [Check(what, misfit, limit, "%", source, PASSED if misfit <= limit else EXCEEDED)]
+    return [Check(name, misfit, limit, "%", source, PASSED if misfit <= limit else EXCEEDED)]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import number_list
 from thermobearing.core.compiled.kernel import compiled
@@ -223,6 +224,7 @@ def _oscillators(
     return values, stiff, omega, parts
 
 
+@checked
 def response_spectrum(
     motion: GroundMotion,
     periods: ArrayLike,
@@ -281,6 +283,7 @@ def response_spectrum(
     )
 
 
+@checked
 def rotated_spectrum(
     pair: MotionPair,
     periods: ArrayLike,

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml, split_sources
@@ -95,9 +96,9 @@ class Pulse(NamedTuple):
         return np.asarray(self.amplitude * 2.0 * np.pi / self.period * wave)
 
     def _parts(self, time: Floats) -> tuple[Floats, Floats]:
-        past = time - self.time
-        angle = 2.0 * np.pi * past / self.period
-        inside = np.abs(past) <= 0.5 * self.cycles * self.period
+        offset = time - self.time
+        angle = 2.0 * np.pi * offset / self.period
+        inside = np.abs(offset) <= 0.5 * self.cycles * self.period
         return angle, np.where(inside, 0.5 * (1.0 + np.cos(angle / self.cycles)), 0.0)
 
 
@@ -118,29 +119,33 @@ class NearFault(NamedTuple):
 
 
 @cache
-def _chosen() -> dict[str, Any]:
+def _phase_table() -> dict[str, Any]:
+    """Return the numbers of the motions with their own phases, by name, and the first draws."""
     return dict(split_sources(read_toml(data_path("phases", "near-fault.toml")))[0])
 
 
 @cache
 def _near_fault() -> dict[str, NearFault]:
     """Return the motions with their own phases, by name."""
-    found = {}
-    for name, row in _chosen().items():
+    motions = {}
+    for name, row in _phase_table().items():
         if name in ("citation", "first_draws"):
             continue
         number, unit = row["noise"].split()
         units = {"amplitude": "mm/s", "period": "s", "phase": "rad", "time": "s"}
-        pulse = {key: parse_quantity(row[f"pulse_{key}"], own) for key, own in units.items()}
-        found[name] = NearFault(
+        pulse = {
+            key: parse_quantity(row[f"pulse_{key}"], pulse_unit)
+            for key, pulse_unit in units.items()
+        }
+        motions[name] = NearFault(
             shape=Shape(**{key: parse_quantity(row[key], "s") for key in Shape._fields}),
             noise=float(number) * acceleration_unit(unit),
             pulse=Pulse(cycles=row["pulse_cycles"], **pulse),
             peak_time=parse_quantity(row["peak_time"], "s"),
             stream=tuple(row["stream"]),
-            citation=_chosen()["citation"],
+            citation=_phase_table()["citation"],
         )
-    return found
+    return motions
 
 
 def _motion_name(kind: str, ground: str, seed: int) -> str:
@@ -150,7 +155,7 @@ def _motion_name(kind: str, ground: str, seed: int) -> str:
 
 def _first_draw(name: str) -> int:
     """Return the number of the first draw of the random phases of a motion."""
-    return int(_chosen()["first_draws"].get(name, 0))
+    return int(_phase_table()["first_draws"].get(name, 0))
 
 
 def _phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
@@ -161,14 +166,14 @@ def _phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
     seed are drawn again under another `draw`, counted from the first one of the data file.
     """
     name = _motion_name(kind, ground, seed)
-    own = _near_fault().get(name)
-    if own:
-        time = own.shape._times(dt)
-        stream = np.random.default_rng([*own.stream[:-1], own.stream[-1] + draw])
+    near_fault = _near_fault().get(name)
+    if near_fault:
+        time = near_fault.shape._times(dt)
+        stream = np.random.default_rng([*near_fault.stream[:-1], near_fault.stream[-1] + draw])
         # As white noise, its spectral density does not depend on the time step.
-        size = own.noise / np.sqrt(2.0 * HIGHEST * dt)
-        values = stream.standard_normal(len(time)) * own.shape._envelope(time) * size
-        return _without_highest(values, dt) + own.pulse.acceleration(time)
+        size = near_fault.noise / np.sqrt(2.0 * HIGHEST * dt)
+        values = stream.standard_normal(len(time)) * near_fault.shape._envelope(time) * size
+        return _without_highest(values, dt) + near_fault.pulse.acceleration(time)
     draw += _first_draw(name)
     shape = SHAPES[kind]
     time = shape._times(dt)
@@ -176,14 +181,14 @@ def _phases(kind: str, ground: str, seed: int, draw: int, dt: float) -> Floats:
     key = [seed, KINDS.index(kind), GROUNDS.index(ground), draw]
     stream = np.random.default_rng(key)
     values = stream.standard_normal(len(time)) * shape._envelope(time)
-    values /= np.sqrt(dt)  # see above
+    values /= np.sqrt(dt)  # a spectral density that does not depend on the time step, as above
     if kind == "II":
         period = PULSE_PERIODS[ground]
         width = 0.5 * PULSE_CYCLES * period
-        past = (time - PULSE_TIME - 0.5 * stream.uniform(-1.0, 1.0)) / width
-        angle = 2.0 * np.pi * past * width / period
+        offset = (time - PULSE_TIME - 0.5 * stream.uniform(-1.0, 1.0)) / width
+        angle = 2.0 * np.pi * offset * width / period
         sign = 1.0 if stream.uniform() < 0.5 else -1.0
-        pulse = np.cos(angle + 0.5 * np.pi * stream.uniform()) * np.exp(-0.5 * past**2)
+        pulse = np.cos(angle + 0.5 * np.pi * stream.uniform()) * np.exp(-0.5 * offset**2)
         values += sign * PULSE_WEIGHT * pulse / np.sqrt(period) * np.sqrt(shape.decay)
     return _without_highest(values, dt)
 
@@ -194,6 +199,7 @@ def _without_highest(values: Floats, dt: float) -> Floats:
     return np.asarray(np.fft.irfft(np.fft.rfft(values) * gain, len(values)))
 
 
+@checked
 def make_motion(
     kind: str | int,
     ground: str | int,
@@ -252,7 +258,7 @@ def make_motion(
         if fit.misfit <= ACCEPTED or effort.spent:
             break
     assert fit is not None
-    own = _near_fault().get(_motion_name(kind, ground, seed))
+    near_fault = _near_fault().get(_motion_name(kind, ground, seed))
     stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
     return GroundMotion(
         name=f"{target.name}-{seed}",
@@ -262,7 +268,10 @@ def make_motion(
             f"{stand_in}, fits {target.words} "
             f"(seed {seed}, misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s)"
         ),
-        citation="; ".join(text for text in (target.citation, own and own.citation) if text),
+        citation="; ".join(
+            text for text in (target.citation, near_fault and near_fault.citation) if text
+        ),
+        target=target,
     )
 
 
@@ -271,6 +280,7 @@ def _check_step(dt: float, where: str) -> None:
         raise InputError(f"dt: {dt:g} s is outside [{SMALLEST_DT:g}, {LARGEST_DT:g}] s", where)
 
 
+@checked
 def match_spectrum(
     record: GroundMotion,
     kind: str | int = "II",
@@ -323,6 +333,7 @@ def match_spectrum(
             f"(misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
         ),
         citation="; ".join(text for text in (record.citation, target.citation) if text),
+        target=target,
     )
 
 

@@ -17,16 +17,22 @@ from thermobearing.border.cases import load_all, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import sources_to_keep
 from thermobearing.border.schema import Strict, in_unit, overridden
+from thermobearing.border.title import case_table
 from thermobearing.border.toml import split_sources, to_toml
 from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
-from thermobearing.model.checks import compression_modulus, secant_stiffness, second_moments
+from thermobearing.model.axial import (
+    axial_stiffness,
+    compression_modulus,
+    find_section,
+    second_moments,
+)
+from thermobearing.model.checks import secant_stiffness
 from thermobearing.model.element import DEFAULT_AMBIENT, BearingElement
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.wire import MOST_DOFS
-from thermobearing.report.title import case_table
 
 UnitNames = Literal["kN-mm", "kN-m", "N-mm", "N-m", "MN-m", "kip-in", "lbf-in"]
 IN_SPACE = 6  # degrees of freedom of a node
@@ -94,11 +100,11 @@ def make_served_case(
     table: dict[str, Any], where: str, folder: Path = Path(), **overrides: Any
 ) -> ServedCase:
     """Check a case from a table of a file and overrides, with the defaults filled in."""
-    table, given, faults = load_all(table, overrides, {"bearing": load_bearing}, folder)
-    table = overridden(table, given, ServedCase, {"analysis": ModelOptions})
-    own: dict[str, str] = {}
+    table, keywords, faults = load_all(table, overrides, {"bearing": load_bearing}, folder)
+    table = overridden(table, keywords, ServedCase, {"analysis": ModelOptions})
+    bearing_sources: dict[str, str] = {}
     if isinstance(table.get("bearing"), dict):
-        table["bearing"], own = split_sources(table["bearing"])
+        table["bearing"], bearing_sources = split_sources(table["bearing"])
     case = read_case(ServedCase, table, where, faults)
     faults = [f"analysis.{text}" for text in case.analysis.misfits(case.bearing)]
     if case.analysis.model == "bilinear":
@@ -107,7 +113,7 @@ def make_served_case(
         faults.append("give initial or initial_state, not both")
     if faults:
         raise InputError(faults, where)
-    bearing = case.bearing.with_sources(own | case.bearing.sources)
+    bearing = case.bearing.with_sources(bearing_sources | case.bearing.sources)
     sources = sources_to_keep([(BEARINGS, bearing)], case.sources)
     analysis = case.analysis.settled(case.bearing)
     return case.model_copy(update={"analysis": analysis, "sources": sources})
@@ -129,22 +135,27 @@ class Layout(NamedTuple):
     @classmethod
     def of(cls, pairs: int, directions: Any, vertical: int | None, where: str) -> Self:
         """Return the layout of an element, checked."""
-        given = directions if isinstance(directions, list | tuple) else (directions,)
+        shear_axes = directions if isinstance(directions, list | tuple) else (directions,)
         faults = []
-        if not given or not set(given) <= set(HORIZONTAL) or len(set(given)) != len(given):
+        known_axes = bool(shear_axes) and set(shear_axes) <= set(HORIZONTAL)
+        if not known_axes or len(set(shear_axes)) != len(shear_axes):
             faults.append(f"directions = {directions!r}: must be different ones of 1, 2, 3")
-        elif vertical is not None and (vertical not in HORIZONTAL or vertical in given):
+        elif vertical is not None and (vertical not in HORIZONTAL or vertical in shear_axes):
             faults.append(f"vertical = {vertical!r}: must be 1, 2 or 3, and none of directions")
-        if len(given) > 2:
+        if len(shear_axes) > 2:
             faults.append(f"directions = {directions!r}: a bearing shears in two at most")
-        most = MOST_DOFS // 2 // (IN_SPACE if vertical is not None else max(1, len(given)))
-        if not 1 <= pairs <= most:
-            faults.append(f"nodes: {pairs} pairs; must be from 1 to {most} in one element")
+        # The limit of the wire format holds for both nodes of all pairs together. A fault in the
+        # directions must not end in a division by zero before it is reported.
+        dofs_of_node = IN_SPACE if vertical is not None else max(1, len(shear_axes))
+        largest_count = MOST_DOFS // 2 // dofs_of_node
+        if not 1 <= pairs <= largest_count:
+            faults.append(f"nodes: {pairs} pairs; must be from 1 to {largest_count} in one element")
         if faults:
             raise InputError(faults, where)
-        ways = tuple(int(way) for way in given)
-        dofs = tuple(sorted(ways)) if vertical is None else tuple(range(1, IN_SPACE + 1))
-        return cls(pairs, dofs, ways, vertical)
+        # With a vertical direction, the element has springs in all six degrees of freedom.
+        axes = tuple(int(axis) for axis in shear_axes)
+        dofs = tuple(sorted(axes)) if vertical is None else tuple(range(1, IN_SPACE + 1))
+        return cls(pairs, dofs, axes, vertical)
 
     @property
     def size(self) -> int:
@@ -172,8 +183,9 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
     seismic isolation bearings", Earthquake Engineering & Structural Dynamics 43, with the shape
     factor S of one layer, c = 6 for round and 6.73 for other plans and the bulk modulus K
     (data/materials/vertical.toml). G is the secant modulus of the rubber of this bearing at 100 %
-    shear strain and the temperature at the start, in the first loading. A lead core counts as
-    rubber. Tension, buckling and the interaction of axial force and shear are neglected.
+    shear strain and the temperature at the start, in the first loading. A single lead core in the
+    centre of a round plan is left out of A and I; other cores count as rubber. Tension, buckling
+    and the interaction of axial force and shear are neglected.
 
     Examples
     --------
@@ -182,31 +194,33 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
     >>> stiffness.vertical > 100 * stiffness.shear
     True
     """
-    geometry, height = case.bearing.geometry, case.bearing.total_rubber_thickness
-    area, inertia = geometry.plan.area, second_moments(geometry.plan)  # axes along, across
+    bearing, geometry = case.bearing, case.bearing.geometry
+    height = bearing.total_rubber_thickness
     shear = secant_stiffness(case.new_bearing(), height)
-    modulus = shear * height / area  # [GPa]
-    compression = compression_modulus(geometry, modulus)
+    modulus = shear * height / bearing.area  # [GPa]
+    bending = compression_modulus(geometry, modulus, bearing.lead) / (3.0 * height)
+    along, across = find_section(geometry, bearing.lead).inertia
     return LinearStiffness(
         shear,
-        compression * area / height,
-        (compression * inertia[0] / (3.0 * height), compression * inertia[1] / (3.0 * height)),
-        modulus * sum(inertia) / height,
+        axial_stiffness(geometry, modulus, bearing.lead),
+        (bending * across, bending * along),  # about the axes along and across
+        modulus * sum(second_moments(geometry.plan)) / height,
     )
 
 
 def spring_constants(layout: Layout, case: ServedCase) -> Floats:
     """Return the linear springs of an element by degree of freedom [kN, mm, rad], zero in shear."""
-    found = np.zeros(len(layout.dofs))
+    constants = np.zeros(len(layout.dofs))
     if layout.vertical is None:
-        return found
-    known = linear_stiffness(case)
+        return constants
+    stiffness = linear_stiffness(case)
     first = layout.directions[0]
-    second = next(way for way in HORIZONTAL if way not in (first, layout.vertical))
-    by_dof = {second: known.shear, layout.vertical: known.vertical}
-    by_dof |= {first + 3: known.rotation[0], second + 3: known.rotation[1]}
-    by_dof[layout.vertical + 3] = known.torsion
+    # A rocking spring has the degree of freedom of the translation plus three, as in OpenSees.
+    second = next(axis for axis in HORIZONTAL if axis not in (first, layout.vertical))
+    by_dof = {second: stiffness.shear, layout.vertical: stiffness.vertical}
+    by_dof |= {first + 3: stiffness.rotation[0], second + 3: stiffness.rotation[1]}
+    by_dof[layout.vertical + 3] = stiffness.torsion
     for place, dof in enumerate(layout.dofs):
         if dof not in layout.directions:
-            found[place] = by_dof[dof]
-    return found
+            constants[place] = by_dof[dof]
+    return constants

@@ -7,18 +7,18 @@ with a new bearing.
 """
 
 import math
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from thermobearing.core.records import Floats
 from thermobearing.model.element import BearingElement
 from thermobearing.opensees.case import Layout, ServedCase, Units, spring_constants
+from thermobearing.opensees.recording import Journal, Label, Recording, Served
 from thermobearing.opensees.wire import Action, Request
 
-SHORTEST = 1e-6  # duration of a step in which the time does not advance [s]
-RESTING = 0.1  # displacement of a bearing that a gravity stage may cause [mm]
+SHORTEST_STEP = 1e-6  # duration of a step in which the time does not advance [s]
+GRAVITY_DISPLACEMENT = 0.1  # displacement of a bearing that a gravity stage may cause [mm]
 NOT_ADVANCING = (
     "the time of the model goes back from {0:g} to {1:g} while the bearing moves without velocity, "
     "as in displacement control, where the time is the load factor: give the speed of the static "
@@ -30,77 +30,33 @@ NO_VELOCITY = (
     "as the time of the model advances, {0:g} s: if that is a load factor, give the speed of the "
     "static analysis, rate, in mm/s"
 )
-REFUSED = "connection_failed"
+CONNECTION_FAILED = "connection_failed"
 
 
 class StepError(RuntimeError):
     """A step that cannot be computed; OpenSees may try a smaller one."""
 
 
-class Served(NamedTuple):
-    """The history of one bearing in one direction, from the start or a reset to the end."""
-
-    tag: int
-    pair: int  # place of the bearing in its element, from 1
-    direction: int
-    run: int  # 1, and one more for each reset or new element of the same tag
-    outcome: str
-    time: Floats  # of the model
-    books: dict[str, Floats]  # of core.types.Books; energies are those of both directions
-    rubber: Floats  # temperatures of the layers [degC]
-    initial: Floats  # temperatures of the cells [degC]
-    final: Floats
-
-
-class _Recorded:
-    """A bearing that keeps the end of every committed step."""
-
-    def __init__(self, bearing: BearingElement) -> None:
-        self.bearing = bearing
-        cells = bearing.constants.layer_cells
-        self._upper, self._lower = cells["upper_middle"], cells["lower_middle"]
-        self.initial = bearing.state.temperature.copy()
-        self._rows: list[tuple[float, Any, Floats]] = []  # time, books, rubber
-        self.outcome = "completed"
-        self.keep(0.0)
-
-    def keep(self, time: float) -> None:
-        """Append the committed state."""
-        state = self.bearing.state
-        rubber = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
-        self._rows.append((time, state.books.copy(), rubber))
-
-    @property
-    def moved(self) -> bool:
-        """Whether the bearing was displaced: a gravity stage alone leaves no history."""
-        at = [books["displacement"][0] for _, books, _ in self._rows]
-        return bool(np.ptp(at, axis=0).any())
-
-    def served(self, tag: int, pair: int, directions: Sequence[int], run: int) -> list[Served]:
-        """Return the history so far, in each direction."""
-        times, each, rubber = zip(*self._rows, strict=True)
-        kept = np.concatenate(each)
-        books = {name: kept[name].copy() for name in kept.dtype.names or ()}
-        return [
-            Served(
-                *(tag, pair, direction, run, self.outcome, np.array(times)),
-                {key: one[:, place] if one.ndim > 1 else one for key, one in books.items()},
-                *(np.array(rubber), self.initial, self.bearing.state.temperature.copy()),
-            )
-            for place, direction in enumerate(directions)
-        ]
-
-
 class ServedElement:
     """Bearings between pairs of nodes, as OpenSees sees them."""
 
-    def __init__(self, case: ServedCase, layout: Layout, tag: int, run: int = 1) -> None:
+    def __init__(
+        self,
+        case: ServedCase,
+        layout: Layout,
+        tag: int,
+        run: int = 1,
+        journal: Journal | None = None,
+    ) -> None:
+        self._journal = journal
         self.case, self.layout, self.tag, self.run = case, layout, tag, run
         units = Units.named(case.units)
-        self._length = units.length
-        self._force = case.count / units.force  # of the element in the units of the client, per kN
+        self._length_factor = units.length
+        # Force of the element in the units of the client, per kN of one bearing.
+        self._force_factor = case.count / units.force
         rotations = np.array([dof > 3 and layout.vertical is not None for dof in layout.dofs])
-        stiffness = spring_constants(layout, case) * self._force
+        # A translation is converted from force per length, a rotation from moment per radian.
+        stiffness = spring_constants(layout, case) * self._force_factor
         self._linear = stiffness * np.where(rotations, 1.0 / units.length, units.length)
         self._any_linear = bool(self._linear.any())
         d = len(layout.dofs)
@@ -109,171 +65,196 @@ class ServedElement:
             [(2 * pair * d + place, (2 * pair + 1) * d + place) for place in places]
             for pair in range(layout.pairs)
         ]
-        self.finished: list[Served] = []
+        self._finished: list[Recording] = []
         self.note = ""  # what the user should know about the steps so far
         self._begin()
 
     def _begin(self) -> None:
         """Put new bearings at the start."""
-        ways = len(self.layout.directions)
-        self._bearings = [_Recorded(self.case.new_bearing(ways)) for _ in self._ends]
-        books = [b.bearing.state.books for b in self._bearings]
-        self._at = [np.ravel(one["displacement"]).tolist() for one in books]
-        self._zero = list(self._at)  # displacement of the bearings where the model has none
-        self._forces = [np.ravel(one["force"]).tolist() for one in books]
-        pairs = zip(self._bearings, self._at, strict=True)
-        self._tangents = [_moved(b, x, SHORTEST)[1] for b, x in pairs]
+        components = len(self.layout.directions)
+        self._bearings = [self.case.new_bearing(components) for _ in self._ends]
+        self._recordings = [
+            Recording(
+                Label(self.tag, pair, self.layout.directions, self.run), bearing, self._journal
+            )
+            for pair, bearing in enumerate(self._bearings, 1)
+        ]
+        books = [bearing.state.books for bearing in self._bearings]
+        self._committed = [np.ravel(row["displacement"]).tolist() for row in books]
+        self._origins = list(self._committed)  # where the displacement of the model is zero
+        self._forces = [np.ravel(row["force"]).tolist() for row in books]
+        # OpenSees may ask for the tangent before the first trial.
+        pairs = zip(self._bearings, self._committed, strict=True)
+        self._tangents = [_trial_response(b, x, SHORTEST_STEP)[1] for b, x in pairs]
         self._time = 0.0
         self._trial_time = 0.0
-        self._pending = self._pushed = False
-        self._last: tuple[Any, ...] = ()
+        self._pending = self._static_step = False
+        self._last_trial: tuple[Any, ...] = ()
         self._problem = ""
-        self._x: list[float] = [0.0] * self.layout.size
-        self._f, self._k = list(self._forces), list(self._tangents)
+        self._trial_displacement: list[float] = [0.0] * self.layout.size
+        self._trial_forces, self._trial_tangents = list(self._forces), list(self._tangents)
 
     def reset(self) -> None:
         """Keep the history so far, and begin again."""
-        if any(bearing.moved for bearing in self._bearings):
-            self.finished += self._present()
+        if any(recording.displaced for recording in self._recordings):
+            self._finished += self._recordings
+            self.flush()
             self.run += 1
+        else:
+            for recording in self._recordings:
+                recording.discard()
         self._begin()
 
-    def _present(self) -> list[Served]:
-        return [
-            history
-            for pair, bearing in enumerate(self._bearings, 1)
-            for history in bearing.served(self.tag, pair, self.layout.directions, self.run)
-        ]
+    def flush(self) -> None:
+        """Write committed steps that are still in memory into the journal."""
+        for recording in self._recordings:
+            recording.flush()
 
     def histories(self) -> list[Served]:
         """Return the histories of all bearings so far."""
-        return [*self.finished, *self._present()]
+        recordings = [*self._finished, *self._recordings]
+        return [history for recording in recordings for history in recording.served()]
 
     def answer(self, request: Request) -> Floats | list[float] | None:
         """Carry out a request; return its force vector or matrix, or raise StepError."""
         match request.action:
             case Action.SET_TRIAL:
-                self._try(request)
+                self._set_trial(request)
             case Action.COMMIT:
                 self._commit()
             case Action.FORCE:
-                self._check()
+                self._raise_problem()
                 return self._vector()
             case Action.TANGENT | Action.INITIAL_STIFFNESS:
-                self._check()
+                self._raise_problem()
                 return self._matrix()
         return None
 
-    def _check(self) -> None:
+    def _raise_problem(self) -> None:
         if self._problem:
             raise StepError(self._problem)
 
-    def _try(self, request: Request) -> None:
+    def _set_trial(self, request: Request) -> None:
         """Move the bearings from the committed state to a trial displacement."""
         x, time = request.displacement, request.time
         moving = any(request.velocity) or any(request.acceleration)
-        if self._last == (x, time, moving):
+        if self._last_trial == (x, time, moving):
             return  # OpenSees sends each trial twice
-        self._last, self._problem = (x, time, moving), ""
+        self._last_trial, self._problem = (x, time, moving), ""
         if not request.finite:
             self._problem = "OpenSees sends a displacement or a time that is not finite"
             return
+        # The reset of a domain sends this trial and no message of its own.
         if time == 0.0 and self._time != 0.0 and not any(x):
             self.reset()
-            self._last = (x, time, moving)
-        self._x = list(x)
-        goals = [
-            [at + self._length * (x[j] - x[i]) for (i, j), at in zip(ends, zero, strict=True)]
-            for ends, zero in zip(self._ends, self._zero, strict=True)
+            self._last_trial = (x, time, moving)
+        self._trial_displacement = list(x)
+        targets = [
+            [
+                start + self._length_factor * (x[second] - x[first])
+                for (first, second), start in zip(ends, origin, strict=True)
+            ]
+            for ends, origin in zip(self._ends, self._origins, strict=True)
         ]
-        most = max(map(math.dist, goals, self._at))
-        self._pushed = not moving and max(map(math.dist, goals, self._zero)) > RESTING
+        distance = max(map(math.dist, targets, self._committed))
+        # A gravity stage displaces bearings a little without velocity; more than that is a
+        # static analysis, whose time may be a load factor.
+        offset = max(map(math.dist, targets, self._origins))
+        self._static_step = not moving and offset > GRAVITY_DISPLACEMENT
         try:
-            dt = self._duration(time, most, moving)
+            dt = self._duration(time, distance, moving)
         except StepError as error:
             self._problem = str(error)
-            for bearing in self._bearings:
-                bearing.outcome = REFUSED
+            for recording in self._recordings:  # unless a later trial succeeds
+                recording.outcome = CONNECTION_FAILED
             return
         self._pending = dt > 0.0
         self._trial_time = time
         if not self._pending:
-            self._f, self._k = list(self._forces), list(self._tangents)
+            self._trial_forces, self._trial_tangents = list(self._forces), list(self._tangents)
             return
-        for k, (bearing, goal) in enumerate(zip(self._bearings, goals, strict=True)):
-            self._f[k], self._k[k], bearing.outcome = _moved(bearing, goal, dt)
-            if bearing.outcome != "completed":
-                where = ", ".join(f"{x:.6g}" for x in goal)
-                self._problem = f"the step to {where} mm in {dt:.3g} s ended: {bearing.outcome}"
+        for k, (bearing, target) in enumerate(zip(self._bearings, targets, strict=True)):
+            response = _trial_response(bearing, target, dt)
+            self._trial_forces[k], self._trial_tangents[k], outcome = response
+            self._recordings[k].outcome = outcome
+            if outcome != "completed":
+                where = ", ".join(f"{x:.6g}" for x in target)
+                self._problem = f"the step to {where} mm in {dt:.3g} s ended: {outcome}"
                 return
 
-    def _duration(self, time: float, most: float, moving: bool) -> float:
+    def _duration(self, time: float, distance: float, moving: bool) -> float:
         """Return how long a step lasts [s]; zero where there is nothing to compute."""
         dt = time - self._time
+        # A static analysis has no velocity, and its time is a load factor, not a clock.
         if self.case.rate is not None and not moving:
-            return max(most / self.case.rate, SHORTEST) if most else 0.0
+            return max(distance / self.case.rate, SHORTEST_STEP) if distance else 0.0
         if dt > 0.0:
             return dt
         if dt < 0.0:
-            if most and not moving:
+            if distance and not moving:
                 raise StepError(NOT_ADVANCING.format(self._time, time))
             if time > 0.0:
                 return time  # the clock was set to zero, as after a gravity stage
-        return SHORTEST if most else 0.0
+        # The time stands still: a step that moves is given the shortest duration, since heat and
+        # rate dependence divide by it; one that does not move changes nothing.
+        return SHORTEST_STEP if distance else 0.0
 
     def _commit(self) -> None:
-        self._check()
+        self._raise_problem()
         duration, self._time = self._trial_time - self._time, self._trial_time
         if not self._pending:
             return
+        # With rate or step, the duration is not that of the model, and the note would mislead.
         clocked = self.case.rate is not None or self.case.step is not None
-        if self._pushed and not (clocked or self.note):
+        if self._static_step and not (clocked or self.note):
             self.note = NO_VELOCITY.format(duration)
         for k, bearing in enumerate(self._bearings):
-            bearing.bearing.commit()
-            bearing.keep(self._trial_time)
-            self._at[k] = np.ravel(bearing.bearing.state.books["displacement"]).tolist()
-        self._forces, self._tangents = list(self._f), list(self._k)
+            bearing.commit()
+            self._recordings[k].keep(self._trial_time, bearing)
+            self._committed[k] = np.ravel(bearing.state.books["displacement"]).tolist()
+        self._forces, self._tangents = list(self._trial_forces), list(self._trial_tangents)
         self._pending = False
-        self._last = ()
+        self._last_trial = ()  # the same trial again is a step from the new committed state
 
     def _vector(self) -> Floats | list[float]:
         """Return the resisting forces, in the units and the order of the client."""
-        found = [0.0] * self.layout.size
-        for ends, forces in zip(self._ends, self._f, strict=True):
+        forces_of_dofs = [0.0] * self.layout.size
+        for ends, forces in zip(self._ends, self._trial_forces, strict=True):
             for (first, second), force in zip(ends, forces, strict=True):
-                found[second] = self._force * force
-                found[first] = -found[second]
+                forces_of_dofs[second] = self._force_factor * force
+                forces_of_dofs[first] = -forces_of_dofs[second]
         if not self._any_linear:
-            return found
-        x = np.reshape(self._x, (self.layout.pairs, 2, -1))
+            return forces_of_dofs
+        x = np.reshape(self._trial_displacement, (self.layout.pairs, 2, -1))
         springs = self._linear * (x[:, 1] - x[:, 0])
-        total: Floats = np.array(found) + np.stack([-springs, springs], axis=1).ravel()
+        total: Floats = np.array(forces_of_dofs) + np.stack([-springs, springs], axis=1).ravel()
         return total
 
     def _matrix(self) -> Floats | list[float]:
         """Return the tangent stiffness."""
         n, d = self.layout.size, len(self.layout.dofs)
-        scale = self._force * self._length
+        scale = self._force_factor * self._length_factor
         if n == 2:  # nothing but one shear spring
-            k = scale * self._k[0][0][0]
+            k = scale * self._trial_tangents[0][0][0]
             return [k, -k, -k, k]
-        found = np.zeros((n, n))
-        for pair, (ends, tangent) in enumerate(zip(self._ends, self._k, strict=True)):
+        stiffness = np.zeros((n, n))
+        for pair, (ends, tangent) in enumerate(zip(self._ends, self._trial_tangents, strict=True)):
             spring = np.diag(self._linear)
             places = [first - 2 * pair * d for first, _ in ends]
             spring[np.ix_(places, places)] += scale * np.asarray(tangent)
             block = slice(2 * pair * d, 2 * (pair + 1) * d)
-            found[block, block] = np.kron([[1.0, -1.0], [-1.0, 1.0]], spring)
-        return found
+            stiffness[block, block] = np.kron([[1.0, -1.0], [-1.0, 1.0]], spring)
+        return stiffness
 
 
-def _moved(bearing: _Recorded, goal: list[float], dt: float) -> tuple[Any, Any, str]:
+def _trial_response(
+    bearing: BearingElement, target: list[float], dt: float
+) -> tuple[Any, Any, str]:
     """Return forces, tangent by rows and outcome of a trial."""
-    if len(goal) == 1:
-        trial = bearing.bearing.set_trial(goal[0], dt)
+    if len(target) == 1:
+        trial = bearing.set_trial(target[0], dt)
         return [trial.force], [[trial.tangent]], trial.outcome
-    plane: Any = bearing.bearing.set_trial(goal, dt)
+    plane: Any = bearing.set_trial(target, dt)
     return plane.force.tolist(), plane.tangent, plane.outcome
 
 

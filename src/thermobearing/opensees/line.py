@@ -6,19 +6,22 @@ import queue
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NoReturn, Self, Unpack
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, ThermobearingError
 from thermobearing.model.element import DEFAULT_AMBIENT
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
 from thermobearing.opensees.case import Layout, ServedCase, UnitNames, make_served_case
+from thermobearing.opensees.recording import JOURNAL, Journal, Served
 from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.wire import Setup
 
@@ -31,6 +34,7 @@ class ServingError(ThermobearingError):
     """An element could not be served to the end; the result holds what was served."""
 
 
+@checked
 class Line:
     """Served bearings: elements for OpenSees, and their result.
 
@@ -51,21 +55,22 @@ class Line:
     def __init__(self, case: ServedCase) -> None:
         self.case = case
         self._layouts: dict[int, tuple[Layout, int]] = {}
-        self._last: list[Any] | None = None  # histories, once the server has sent them
-        self._said: tuple[list[str], list[str]] = ([], [])
+        self._histories: list[Served] | None = None  # histories, once the server has sent them
+        self._problems_and_notes: tuple[list[str], list[str]] = ([], [])
         self._interrupted = False
         self._lock = threading.Lock()
-        self._process = _start()
+        self._folder = tempfile.TemporaryDirectory(prefix="thermobearing-")  # of the journal
+        self._process = _start_server()
         self._answers: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        threading.Thread(target=self._read, daemon=True).start()
+        threading.Thread(target=self._read_answers, daemon=True).start()
         try:
-            self._send(case)
+            self._send((case, self._folder.name))
             self._take(READY)
         except BaseException:
-            self._end()
+            self._end_server()
             raise
         _RUNNING.add(self)
-        _restart_calls(True)
+        _set_call_restart(True)
 
     def __repr__(self) -> str:
         name, state = self.case.bearing.name, "ended" if self._closed else "running"
@@ -116,8 +121,8 @@ class Line:
         if not isinstance(tag, int) or isinstance(tag, bool) or not 0 < tag < 2**31:
             raise InputError(f"element(): tag = {tag!r}: must be a positive integer")
         layout = Layout.of(len(pairs), directions, vertical, "element()")
-        known, port = self._layouts.get(tag, (layout, 0))
-        if known != layout:
+        registered_layout, port = self._layouts.get(tag, (layout, 0))
+        if registered_layout != layout:
             raise InputError(
                 f"element(): tag = {tag}: had other nodes or directions in this line; use another "
                 "tag"
@@ -147,9 +152,9 @@ class Line:
         ServingError : all problems since the start, in one message.
         """
         if not self._closed:
-            self._said = self._ask("problems")
-        if self._said[0]:
-            raise ServingError("\n".join(self._said[0]))
+            self._problems_and_notes = self._ask("problems")
+        if self._problems_and_notes[0]:
+            raise ServingError("\n".join(self._problems_and_notes[0]))
 
     def results(self) -> ServedResult:
         """Return the histories of all elements so far, also after the end of the line.
@@ -161,14 +166,14 @@ class Line:
         """
         if not self._closed:
             self._fetch()
-        if not self._last:
+        if not self._histories:
             self.check()
-        if self._last is None:
+        if self._histories is None:
             raise ServingError("the server of the bearings ended before it sent its histories")
-        problems, notes = self._said
-        found = ServedResult.of(self.case, self._last, problems, notes)
-        found.dataset.attrs["interrupted"] = int(self._interrupted)
-        return found
+        problems, notes = self._problems_and_notes
+        result = ServedResult.of(self.case, self._histories, problems, notes)
+        result.dataset.attrs["interrupted"] = int(self._interrupted)
+        return result
 
     def close(self) -> None:
         """End the server; the result remains."""
@@ -177,7 +182,7 @@ class Line:
         try:
             self._fetch()
         finally:
-            self._end()
+            self._end_server()
 
     def __enter__(self) -> Self:
         return self
@@ -203,11 +208,12 @@ class Line:
 
     def _send(self, message: Any) -> None:
         assert self._process.stdin is not None
-        with suppress(BrokenPipeError):  # `_take` says why
+        # A server that has ended is reported by `_take`, with its exit status.
+        with suppress(BrokenPipeError):
             pickle.dump(message, self._process.stdin)
             self._process.stdin.flush()
 
-    def _read(self) -> None:
+    def _read_answers(self) -> None:
         """Pass answers of the server on; None at its end."""
         answers = self._process.stdout
         assert answers is not None
@@ -218,29 +224,35 @@ class Line:
 
     def _take(self, limit: float) -> Any:
         try:
-            found = self._answers.get(timeout=limit)
+            reply = self._answers.get(timeout=limit)
         except queue.Empty:
-            self._lose(f"does not answer within {limit:g} s; it was ended")
-        if found is None:
-            self._lose("has ended (exit status {0})")
-        (answer,) = found
+            self._fail(f"does not answer within {limit:g} s; it was ended")
+        if reply is None:
+            self._fail("has ended (exit status {0})")
+        (answer,) = reply
         if isinstance(answer, Exception):
             raise answer
         return answer
 
-    def _lose(self, why: str) -> NoReturn:
-        """End the server, and remember why the histories are lost."""
-        self._end()
+    def _fail(self, reason: str) -> NoReturn:
+        """End the server, and take the histories that it has left in its journal."""
+        self._end_server(self._read_journal)
         text = (
-            f"the server of the bearings {why.format(self._process.returncode)}; its histories are "
-            "lost. Elements that it served receive NaN: start a new line and a new model"
+            f"the server of the bearings {reason.format(self._process.returncode)}; results() has "
+            "the steps that it had written. Elements that it served receive NaN: start a new line "
+            "and a new model"
         )
-        self._said = [text], []
+        self._problems_and_notes = [text], []
         raise ServingError(text) from None
+
+    def _read_journal(self) -> None:
+        """Take the histories of a server that has ended."""
+        with suppress(OSError), Path(self._folder.name, JOURNAL).open("rb") as file:
+            self._histories = Journal(file).histories()
 
     def _fetch(self) -> None:
         """Take histories, problems and notes from the server."""
-        self._last, self._said = self._ask("histories"), self._ask("problems")
+        self._histories, self._problems_and_notes = self._ask("histories"), self._ask("problems")
 
     def _ask(self, *command: Any, limit: float = ANSWER) -> Any:
         if self._closed:
@@ -249,11 +261,11 @@ class Line:
             self._send(command)
             return self._take(limit)
 
-    def _end(self) -> None:
-        """End the server, if need be by force."""
+    def _end_server(self, read_journal: Callable[[], None] = lambda: None) -> None:
+        """End the server, if need be by force, and remove its journal."""
         _RUNNING.discard(self)
         if not _RUNNING:
-            _restart_calls(False)
+            _set_call_restart(False)
         if not self._closed:
             assert self._process.stdin is not None
             with suppress(OSError):
@@ -263,13 +275,15 @@ class Line:
         except subprocess.TimeoutExpired:
             self._process.kill()
             self._process.wait()
+        read_journal()
+        self._folder.cleanup()
 
 
 def _pairs(nodes: Any) -> list[Pair]:
     """Return the pairs of nodes of an element."""
     try:
-        given = [nodes] if isinstance(nodes[0], int) else list(nodes)
-        pairs = [(int(lower), int(upper)) for lower, upper in given]
+        node_pairs = [nodes] if isinstance(nodes[0], int) else list(nodes)
+        pairs = [(int(lower), int(upper)) for lower, upper in node_pairs]
     except (TypeError, ValueError, IndexError):
         raise InputError(
             f"element(): nodes = {nodes!r}: must be a pair of node tags, or several pairs"
@@ -283,13 +297,13 @@ def _pairs(nodes: Any) -> list[Pair]:
 _RUNNING: set[Line] = set()
 
 
-def _restart_calls(restart: bool) -> None:
+def _set_call_restart(restart: bool) -> None:
     """Choose whether system calls go on after Ctrl-C; OpenSees loses bytes of those that do not."""
     if hasattr(signal, "siginterrupt"):  # not on Windows
         signal.siginterrupt(signal.SIGINT, not restart)
 
 
-def _start() -> "subprocess.Popen[bytes]":
+def _start_server() -> "subprocess.Popen[bytes]":
     """Start the server as a process that does not receive the Ctrl-C of this one."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     detached: dict[str, Any] = {"start_new_session": True}
@@ -304,6 +318,7 @@ def _start() -> "subprocess.Popen[bytes]":
     )
 
 
+@checked
 def serve(
     bearing: Bearing | str | Path,
     ambient: float = DEFAULT_AMBIENT,
@@ -329,7 +344,7 @@ def serve(
     initial : temperature at the start [degC], by default the ambient temperature; or the state at
         the end of an earlier analysis, from `tb.end_state`.
     model : `ModelOptions`, or the name of an earlier model (model/earlier.py) but "bilinear".
-    options : fields of `ModelOptions`, such as scheme or lead_ends.
+    exposure, state : fields of `ModelOptions`, in place of those of `model`.
 
     Returns
     -------

@@ -17,13 +17,15 @@ from typing import Any, get_args
 
 import numpy as np
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, short_repr
+from thermobearing.border.text_file import write_file
 from thermobearing.border.units import HUGEST, is_number
 from thermobearing.core.compiled import native
 from thermobearing.core.types import State, new_workspace
 from thermobearing.model.element import BearingElement
 from thermobearing.opensees.case import UnitNames, Units
-from thermobearing.opensees.element import SHORTEST
+from thermobearing.opensees.element import SHORTEST_STEP
 
 NAME = "ThermoBearing"  # of the type of material
 KIND = b"tb-ops-1"
@@ -56,18 +58,23 @@ class _Image:
             return [float(value) if kind == "float" else int(value)]
         if "record" in kind:
             fields = zip(self.records[kind["record"]], value, strict=True)
-            return [slot for (_, inner), one in fields for slot in self.slots(inner, one)]
+            return [
+                slot
+                for (_, inner), field_value in fields
+                for slot in self.slots(inner, field_value)
+            ]
         return [[self.add(np.ascontiguousarray(value).tobytes())], *value.shape]
 
     def table(self, slots: list[Any]) -> int:
         """Append a table and return its offset."""
-        plain = [one[0] if isinstance(one, list) else one for one in slots]
-        form = "".join("d" if isinstance(one, float) else "q" for one in plain)
+        plain = [slot[0] if isinstance(slot, list) else slot for slot in slots]
+        form = "".join("d" if isinstance(slot, float) else "q" for slot in plain)
         offset = self.add(struct.pack(f"={form}", *plain))
-        self.pointers += [offset + 8 * k for k, one in enumerate(slots) if isinstance(one, list)]
+        self.pointers += [offset + 8 * k for k, slot in enumerate(slots) if isinstance(slot, list)]
         return offset
 
 
+@checked
 def write_material(
     file: str | Path,
     element: BearingElement,
@@ -98,6 +105,7 @@ def write_material(
     ------
     InputError : a number that is not positive, unknown units, or no compiled kernels for this
         machine.
+    OutputError : the file cannot be written.
 
     Examples
     --------
@@ -110,7 +118,7 @@ def write_material(
     if element.constants.rubber.law != 0:
         raise InputError("element: a file cannot hold a hysteresis_law; use add_material or serve")
     file = Path(file)
-    file.write_bytes(_pack(element, units, count, rate)[0])
+    write_file(file, _pack(element, units, count, rate)[0], overwrite=True)
     return file
 
 
@@ -140,6 +148,8 @@ def _pack(
         "new": state,
     }
     arguments: dict[str, Any] = {"x": 0.0, "dt": 0.0, "ambient": element.ambient}
+    # Each value is written without gaps from `begin` on: the C code saves and restores a state
+    # by copying its bytes.
     begins, arrays = {}, {}
     for name, value in values.items():
         begins[name] = image.add(b"")
@@ -154,8 +164,9 @@ def _pack(
     places = [image.add(text.encode() + b"\0") for text in texts]
     pointers = len(image.pointers)
     offsets = (len(image.content), pointers, call, start, begin, begins["new"], size, *places)
+    # The strain of the material is zero where the bearing is at the start.
     zero = float(state.books["displacement"][0])
-    head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, SHORTEST)
+    head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, SHORTEST_STEP)
     return head + struct.pack(f"={pointers}q", *image.pointers) + image.content, arrays["state"]
 
 
@@ -174,6 +185,7 @@ def _material_library() -> ctypes.PyDLL:
     return code
 
 
+@checked
 @dataclass(frozen=True)
 class Material:
     """A bearing as a uniaxial material of a program.
@@ -196,16 +208,19 @@ class Material:
         `BearingElement.state`.
         """
         code = _material_library()
-        found: list[State] = []
-        while address := code.thermobearing_image(self.tag, len(found) + 1):
+        copies: list[State] = []
+        while address := code.thermobearing_image(self.tag, len(copies) + 1):
             arrays: list[Any] = []
-            for at, one in zip(self.places, self.start, strict=True):
-                content = np.frombuffer(ctypes.string_at(address + at, one.nbytes), one.dtype)
-                arrays.append(content.reshape(one.shape).copy())
-            found.append(State(*arrays))
-        return found
+            for offset, array in zip(self.places, self.start, strict=True):
+                content = np.frombuffer(
+                    ctypes.string_at(address + offset, array.nbytes), array.dtype
+                )
+                arrays.append(content.reshape(array.shape).copy())
+            copies.append(State(*arrays))
+        return copies
 
 
+@checked
 def add_material(
     program: Any,
     tag: int,
@@ -243,6 +258,9 @@ def add_material(
     >>> bearing = add_material(ops, 7, pier, units="N-m")  # doctest: +SKIP
     >>> ops.element("zeroLength", 101, 11, 21, "-mat", 7, "-dir", 1)  # doctest: +SKIP
     """
+    if not callable(getattr(program, "wipe", None)):
+        message = "must be the module openseespy.opensees, or a Model of xara"
+        raise InputError(f"program = {short_repr(program)}: {message}", "add_material()")
     content, arrays = _pack(element, units, count, rate)
     code = _material_library()
     with tempfile.NamedTemporaryFile(suffix=".bearing") as file:

@@ -4,19 +4,15 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from thermobearing.cyclic import reported
+from thermobearing import reported
 from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.result import ServedResult
 from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.words import counted, number, quantity
 from thermobearing.report import content
 from thermobearing.report.pieces import Pieces, ReportFigure
-from thermobearing.report.words import counted, number, quantity
 
-CAPTION = (
-    "Force over shear displacement, and temperatures of rubber layers and lead, of one bearing of "
-    "each element."
-)
 ASSUMPTIONS = (
     "OpenSees computes the structure. Displacements of an element are those of its second node "
     "relative to its first; the duration of each step is that of the model.",
@@ -30,12 +26,13 @@ def build_pieces(result: ServedResult) -> Pieces:
     """Return the content of the report of served bearings."""
     data = result.dataset
     case = tomllib.loads(data.attrs["case"])
-    own = case.get("sources", {}).get(case["bearing"]["name"])
-    known = case["bearing"].get("tested_range") is not None
+    bearing_sources = case.get("sources", {}).get(case["bearing"]["name"])
+    range_given = case["bearing"].get("tested_range") is not None
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
-    given = ("ambient", "initial", "count", "units", "rate")
+    input_keys = ("ambient", "initial", "count", "units", "rate")
     range_rows = result.tested_range.to_dict("records")
-    inputs: dict[str, Any] = {key: case[key] for key in given if key in case}
+    inputs: dict[str, Any] = {key: case[key] for key in input_keys if key in case}
+    caption = content.figure_captions("serve")["elements"]
     return content.build_pieces(
         "serve",
         f"{case['bearing']['name']} in an OpenSees model",
@@ -45,18 +42,18 @@ def build_pieces(result: ServedResult) -> Pieces:
         rate_rows=range_rows,
         residuals=reported.residual_rows(result.energy, case["analysis"]),
         inputs={
-            **reported.bearing_tables(case["bearing"], own),
+            **reported.bearing_tables(case["bearing"], bearing_sources),
             "serving": content.input_table("Serving", inputs, otherwise="input"),
             "analysis": reported.analysis_table(case["analysis"], ModelOptions()),
         },
         tables={"elements": result.tables()["elements"]},
-        figures={"elements": ReportFigure(CAPTION, draw=result.plot.elements)},
+        figures={"elements": ReportFigure(caption, draw=result.plot.elements)},
         books=energy_table(result.energy),
         assumptions=[
             *ASSUMPTIONS,
             *reported.model_assumptions(case["analysis"], [case["bearing"]]),
         ],
-        **content.result_parts(result, str(data.attrs["case"]), "serve", range_given=known),
+        **content.result_parts(result, str(data.attrs["case"]), "serve", range_given=range_given),
     )
 
 
@@ -73,13 +70,15 @@ def _question(result: ServedResult, case: Mapping[str, Any]) -> str:
 def _answer(result: ServedResult) -> list[str]:
     table = result.table
     names = "strain_max", "bearing_force_max_kN", "rubber_highest_degC"
-    moved, pushed, warm = (place_of_largest(table[name]) for name in names)
-    found = (
-        f"The largest shear strain is {100.0 * table['strain_max'][moved]:.0f} % (element "
-        f"{table['element'][moved]}), the largest force of one bearing "
-        f"{number(table['bearing_force_max_kN'][pushed])} kN (element {table['element'][pushed]}). "
-        f"The rubber reaches {number(table['rubber_highest_degC'][warm])} °C"
-    )
+    strain_row, force_row, rubber_row = (place_of_largest(table[name]) for name in names)
+    elements = table["element"]
+    lead = ""
     if result.has_lead:
-        found += f", the lead {number(table['lead_highest_degC'].max())} °C"
-    return [*reported.early_end("The analysis", "", result), f"{found}."]
+        lead = f", the lead {number(table['lead_highest_degC'].max())} °C"
+    sentence = (
+        f"The largest shear strain is {100.0 * table['strain_max'][strain_row]:.0f} % (element "
+        f"{elements[strain_row]}), the largest force of one bearing "
+        f"{number(table['bearing_force_max_kN'][force_row])} kN (element {elements[force_row]}). "
+        f"The rubber reaches {number(table['rubber_highest_degC'][rubber_row])} °C{lead}."
+    )
+    return [*reported.early_end("The analysis", "", result), sentence]

@@ -10,18 +10,19 @@ import numpy as np
 import thermobearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
+from thermobearing.bearing.state import describe_states, state_attribute, states_table
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels, stacked
 from thermobearing.cyclic.tables import energy_table
-from thermobearing.model.constants import outside_law
+from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import build_model
 from thermobearing.model.outcomes import SENTENCES
 from thermobearing.opensees.case import ServedCase
-from thermobearing.opensees.element import REFUSED as FAILED
-from thermobearing.opensees.element import Served
+from thermobearing.opensees.element import CONNECTION_FAILED
+from thermobearing.opensees.recording import Served
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import DatasetResult
@@ -36,15 +37,27 @@ from thermobearing.results.writing import (
     write_dataset,
 )
 
-BALANCE = (
-    *("work_in", "heat_released", "recoverable", "heat_stored"),
-    *("heat_lost_ends", "heat_lost_sides"),
+RECOVERABLE = "recoverable"
+BALANCE = (  # in the order of the arguments of `energy_balance`
+    "work_in",
+    "heat_released",
+    RECOVERABLE,
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
 )
+AXES = "xyz"  # of the degrees of freedom 1, 2 and 3
 FAILED_SENTENCE = "An element could not be served to the end: see the warnings."
 COLUMNS = (
-    *("element", "direction", "ambient_degC", "strain_max"),
+    "element",
+    "direction",
+    "ambient_degC",
+    "strain_max",
     quantity("bearing_force_max_kN", head="Largest force"),
-    *("energy_kN_mm", "rubber_highest_degC", "lead_highest_degC", "steps"),
+    "energy_kN_mm",
+    "rubber_highest_degC",
+    "lead_highest_degC",
+    "steps",
 )
 
 
@@ -81,15 +94,15 @@ class ServedResult(DatasetResult):
                 "a genericClient element to the port",
                 "results()",
             )
-        found = cls(_dataset(case, histories, [*problems, *notes]))
-        found.dataset.attrs["connection_failed"] = int(bool(problems))
-        return found
+        result = cls(_dataset(case, histories, [*problems, *notes]))
+        result.dataset.attrs["connection_failed"] = int(bool(problems))
+        return result
 
     @property
     def outcome(self) -> str:
         """The outcome: "completed", "connection_failed", "interrupted", or why a step failed."""
         failed = self.dataset.attrs["connection_failed"]
-        return FAILED if failed else str(super().outcome)
+        return CONNECTION_FAILED if failed else str(super().outcome)
 
     @property
     def headline(self) -> str:
@@ -133,25 +146,25 @@ class ServedResult(DatasetResult):
         data, rows = self.dataset, []
         rubber = float(data.attrs["total_rubber_thickness_mm"])
         for run, name in enumerate(data["element"].values):
-            mine = self.history(run)
-            layers = mine.filter(regex=r"^rubber\d").to_numpy()
-            far = float(mine["displacement_mm"].abs().max())
+            history = self.history(run)
+            layers = history.filter(regex=r"^rubber\d").to_numpy()
+            displacement_max = float(history["displacement_mm"].abs().max())
             row = {
                 "element": str(name),
                 "direction": int(data["direction"].values[run]),
                 "ambient_degC": float(data.attrs["ambient_degC"]),
                 "outcome": str(data["outcome"].values[run]),
                 "steps": int(data["steps"].values[run]),
-                "displacement_max_mm": far,
-                "strain_max": far / rubber,
-                "bearing_force_max_kN": float(mine["force_kN"].abs().max()),
+                "displacement_max_mm": displacement_max,
+                "strain_max": displacement_max / rubber,
+                "bearing_force_max_kN": float(history["force_kN"].abs().max()),
                 "energy_kN_mm": self.energy["work_in_kN_mm"][run],
                 "rubber_highest_degC": float(layers.max()),
                 "rubber_end_degC": float(layers[-1].max()),
             }
             if self.has_lead:
-                row["lead_highest_degC"] = float(mine["lead_degC"].max())
-                row["lead_end_degC"] = float(mine["lead_degC"].iloc[-1])
+                row["lead_highest_degC"] = float(history["lead_degC"].max())
+                row["lead_end_degC"] = float(history["lead_degC"].iloc[-1])
             rows.append(row)
         return pd.DataFrame(rows)
 
@@ -162,9 +175,11 @@ class ServedResult(DatasetResult):
         capacity = float(data.attrs["heat_capacity_kN_mm_per_K"])
         for run, name in enumerate(data["element"].values):
             last = len(self.time(run)) - 1
-            energies = [float(data[key].values[run, last]) for key in BALANCE]
-            energies[2] -= float(data["recoverable"].values[run, 0])  # of an earlier analysis
-            rows.append({"element": str(name), **energy_balance(*energies, capacity=capacity)})
+            energies = {key: float(data[key].values[run, last]) for key in BALANCE}
+            # Energy that an earlier analysis left in the rubber was not put in by this one.
+            energies[RECOVERABLE] -= float(data[RECOVERABLE].values[run, 0])
+            balance = energy_balance(*energies.values(), capacity=capacity)
+            rows.append({"element": str(name), **balance})
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:
@@ -194,14 +209,14 @@ class ServedResult(DatasetResult):
 def _labels(histories: Sequence[Served]) -> list[str]:
     """Return a name for each history: its tag, and what distinguishes those of one tag."""
     several = {key: len({getattr(h, key) for h in histories}) > 1 for key in ("pair", "run")}
-    two = len({h.direction for h in histories}) > 1
-    return [
-        f"{h.tag}"
-        + (f".{h.pair}" if several["pair"] else "")
-        + (" " + "xyz"[h.direction - 1] if two else "")
-        + (f", run {h.run}" if several["run"] else "")
-        for h in histories
-    ]
+    several_directions = len({h.direction for h in histories}) > 1
+    labels = []
+    for history in histories:
+        pair = f".{history.pair}" if several["pair"] else ""
+        direction = f" {AXES[history.direction - 1]}" if several_directions else ""
+        run = f", run {history.run}" if several["run"] else ""
+        labels.append(f"{history.tag}{pair}{direction}{run}")
+    return labels
 
 
 def _dataset(
@@ -210,21 +225,21 @@ def _dataset(
     """Return the labelled dataset of histories."""
     model = build_model(case.bearing, case.analysis)
     stack = stack_labels(model)
-    both, each = ("element", "step"), ("element",)
-    data: dict[str, Any] = {"model_time": (both, stacked([h.time for h in histories]))}
+    by_step, by_element = ("element", "step"), ("element",)
+    data: dict[str, Any] = {"model_time": (by_step, stacked([h.time for h in histories]))}
     for name, unit, text in stack.books:
         values = stacked([h.books[name] for h in histories])
-        data[name] = (both, values, {"units": unit, "long_name": text})
-    data["strain"] = (both, data["displacement"][1] / case.bearing.total_rubber_thickness)
-    data["rubber_temperature"] = ((*both, "layer"), stacked([h.rubber for h in histories]))
+        data[name] = (by_step, values, {"units": unit, "long_name": text})
+    data["strain"] = (by_step, data["displacement"][1] / case.bearing.total_rubber_thickness)
+    data["rubber_temperature"] = ((*by_step, "layer"), stacked([h.rubber for h in histories]))
     data["initial_temperature"] = (("element", "cell"), np.array([h.initial for h in histories]))
     data["final_temperature"] = (("element", "cell"), np.array([h.final for h in histories]))
-    data["outcome"] = (each, np.array([h.outcome for h in histories], dtype=object))
-    data["steps"] = (each, np.array([len(h.time) - 1 for h in histories]))
+    data["outcome"] = (by_element, np.array([h.outcome for h in histories], dtype=object))
+    data["steps"] = (by_element, np.array([len(h.time) - 1 for h in histories]))
     coordinates: dict[str, Any] = {
-        "element": (each, np.array(_labels(histories), dtype=object)),
+        "element": (by_element, np.array(_labels(histories), dtype=object)),
         **{
-            name: (each, np.array([getattr(h, name) for h in histories]))
+            name: (by_element, np.array([getattr(h, name) for h in histories]))
             for name in ("tag", "pair", "direction", "run")
         },
         "layer": ("layer", np.arange(1, stack.layers + 1)),
@@ -247,6 +262,8 @@ def _attributes(
     ranges, names, rows = calibration_ranges(bearing), _labels(histories), []
     for name, history in zip(names, histories, strict=True):
         clock, x = history.books["clock"], history.books["displacement"]
+        # Steps of the shortest duration, in which the model's time stands still, have no speed
+        # that a test could be compared with.
         dt = np.maximum(np.diff(clock), np.finfo(float).tiny)
         speed = float((np.abs(np.diff(x)) / dt)[dt > 1e-5].max(initial=0.0))
         reached = reached_by(
@@ -264,10 +281,13 @@ def _attributes(
             (name, h.books["clock"], np.asarray(h.rubber))
             for name, h in zip(names, histories, strict=True)
         ]
-        law = outside_law(bearing.name, bearing.temperature_law, runs)
+        law = outside_law(
+            bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
+        )
     factors = exposures([bearing], case.analysis.exposure)
+    states = states_table({bearing.name: (bearing, case.analysis.state)})
     lead = constants.lead.cores * constants.lead.capacity if bearing.lead else 0.0
-    found = {
+    attributes = {
         "title": f"{bearing.name} in OpenSees",
         "command": "serve",
         "bearing": bearing.name,
@@ -283,12 +303,14 @@ def _attributes(
         "half_stack": int(model.stack.fold == 2),
         "warnings": [
             *describe_all(factors),
+            *describe_states(states),
             *law,
             *outside_tests(bearing.name, rows, ranges),
             *warnings,
         ],
         **({"tested_range": rows} if rows else {}),
         **exposure_attribute(factors),
-        "sentences": SENTENCES | {FAILED: FAILED_SENTENCE},
+        **state_attribute(states),
+        "sentences": SENTENCES | {CONNECTION_FAILED: FAILED_SENTENCE},
     }
-    return {key: as_attribute(value) for key, value in found.items()}
+    return {key: as_attribute(value) for key, value in attributes.items()}

@@ -14,6 +14,7 @@ import scipy
 
 from thermobearing.bearing.bilinear import BilinearBearing, load_device
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.text_file import write_file
 from thermobearing.core.types import Floats
@@ -26,6 +27,7 @@ from thermobearing.structure.matrices import build_matrices, hinge_stiffness
 from thermobearing.structure.model import (
     DIRECTIONS,
     GROUND,
+    SOURCE_KINDS,
     BearingLine,
     Body,
     Hinge,
@@ -77,15 +79,15 @@ class _Script:
         return tag
 
     @property
-    def ways(self) -> Sequence[str]:
+    def directions(self) -> Sequence[str]:
         """Directions in which the structure moves."""
         return DIRECTIONS if self.structure.plan else DIRECTIONS[:1]
 
-    def own(self, body: Body) -> set[int]:
+    def free_dofs(self, body: Body) -> set[int]:
         """Return the degrees of freedom of the coordinates of a body."""
-        found = {SIDEWAYS[way] for way in self.ways if body.moves}
-        found |= {ROCKING[way] for way in self.ways if body.rotates}
-        return found | ({TWIST} if body.twists else set())
+        dofs = {SIDEWAYS[direction] for direction in self.directions if body.moves}
+        dofs |= {ROCKING[direction] for direction in self.directions if body.rotates}
+        return dofs | ({TWIST} if body.twists else set())
 
     def rocks(self, name: str) -> bool:
         """Return whether a body or what carries it rotates."""
@@ -110,8 +112,8 @@ class _Script:
         """Add springs between two nodes, by degree of freedom; dashpots are [s] times them."""
         tag = self.new()
         words: tuple[Word, ...] = ("-mat", *materials.values(), "-dir", *materials)
-        more: tuple[Word, ...] = ("-doRayleigh", 1) if damping else ()
-        self.add("element", "zeroLength", tag, lower, upper, *words, *more, *LEVEL)
+        rayleigh: tuple[Word, ...] = ("-doRayleigh", 1) if damping else ()
+        self.add("element", "zeroLength", tag, lower, upper, *words, *rayleigh, *LEVEL)
         if damping:
             self.add("region", tag, "-ele", tag, "-rayleigh", self.mass_damping, 0.0, damping, 0.0)
 
@@ -125,24 +127,27 @@ class _Script:
         Stiff springs to what carries it stand for what it cannot do itself: OpenSees loses the
         motion of nodes that are linked to a node with fixed degrees of freedom.
         """
-        if not (own := self.own(body)):
+        if not (free_dofs := self.free_dofs(body)):
             return
         at = self.foot(body)
         lower, tag = self.point(body.on or GROUND, at), self.add_node(at)
         self.masters[body.name] = self.nodes[body.name, at] = tag
-        held = {k: RIGID if k < 4 else RIGID_TURNING for k in range(1, 7) if k not in own}
-        self.link(lower, tag, held)
+        stiff_springs = {}
+        for dof in range(1, 7):
+            if dof not in free_dofs:
+                stiff_springs[dof] = RIGID if dof < 4 else RIGID_TURNING
+        self.link(lower, tag, stiff_springs)
 
     def add_masses(self) -> None:
         """Add the masses at their points."""
         sums: dict[int, Floats] = {}
-        for item in self.structure.masses:
-            node = self.point(item.body, (*self.structure.point(item), item.height))
+        for mass in self.structure.masses:
+            node = self.point(mass.body, (*self.structure.point(mass), mass.height))
             values = np.zeros(6)
-            for way in self.ways:
-                values[SIDEWAYS[way] - 1] = METRE * item.mass
-                values[ROCKING[way] - 1] = item.rotary_inertia / METRE
-            values[TWIST - 1] = (item.twist_inertia or 0.0) / METRE
+            for direction in self.directions:
+                values[SIDEWAYS[direction] - 1] = METRE * mass.mass
+                values[ROCKING[direction] - 1] = mass.rotary_inertia / METRE
+            values[TWIST - 1] = (mass.twist_inertia or 0.0) / METRE
             sums[node] = sums.get(node, np.zeros(6)) + values
         for node, values in sums.items():
             self.add("mass", node, *values.tolist())
@@ -156,25 +161,25 @@ class _Script:
             size = METRE * spring.stiffness
         self.add("uniaxialMaterial", "Elastic", tag, size)
         if spring.direction == "twist":
-            ways = [TWIST]
+            dofs = [TWIST]
         else:
             kind = ROCKING if spring.stiffness is None else SIDEWAYS
-            ways = [kind[way] for way in self.ways if spring.direction in (None, way)]
+            dofs = [kind[axis] for axis in self.directions if spring.direction in (None, axis)]
         at = (*structure.point(spring), spring.height)
         ends = self.point(spring.base, at), self.point(spring.body, at)
-        self.link(*ends, dict.fromkeys(ways, tag), damping)
+        self.link(*ends, dict.fromkeys(dofs, tag), damping)
 
     def add_hinge(self, hinge: Hinge, damping: float) -> None:
         """Add a hinge that degrades towards its peaks, with the envelope of that of Takeda."""
-        tag, far = self.new(), 1.0 + hinge.hardening_ratio * (FAR - 1.0)
+        tag, moment_ratio = self.new(), 1.0 + hinge.hardening_ratio * (FAR - 1.0)
         moment = hinge.yield_moment / METRE
-        envelope = [moment, hinge.yield_rotation, far * moment, FAR * hinge.yield_rotation]
+        envelope = [moment, hinge.yield_rotation, moment_ratio * moment, FAR * hinge.yield_rotation]
         law = (*envelope, *[-value for value in envelope], 1.0, 1.0, 0.0, 0.0)
         self.add("uniaxialMaterial", "Hysteretic", tag, *law, hinge.unloading_exponent)
         at = self.foot(self.structure.body(hinge.body))
         ends = self.point(hinge.base, at), self.point(hinge.body, at)
-        ways = [ROCKING[way] for way in self.ways if hinge.direction in (None, way)]
-        self.link(*ends, dict.fromkeys(ways, tag), damping)
+        dofs = [ROCKING[axis] for axis in self.directions if hinge.direction in (None, axis)]
+        self.link(*ends, dict.fromkeys(dofs, tag), damping)
 
     def end(self, name: str, line: BearingLine) -> int:
         """Return the node of a body where a line acts, on stiff springs if at two heights."""
@@ -198,8 +203,9 @@ class _Script:
             self.add(
                 "uniaxialMaterial", "Elastic", tag, METRE * line.count * line.equivalent_stiffness
             )
-            self.link(*ends, dict.fromkeys([SIDEWAYS[way] for way in self.ways], tag))
+            self.link(*ends, {SIDEWAYS[direction]: tag for direction in self.directions})
             return self.tag
+        # A line of scale s stands for forces of 1 / s^2 and stiffnesses of 1 / s of the bearing.
         force = line.count / line.scale**2
         stiffness = METRE * force * line.scale
         tag = self.new()
@@ -215,6 +221,7 @@ class _Script:
         """Add the materials of stiff and soft springs."""
         heights = [abs(mass.height) for mass in self.structure.masses]
         heights += [abs(line.height) for line in self.structure.bearings]
+        # A stiff spring against rotation must resist a force at the height of the structure.
         arm = max(1.0, *heights)
         turning = np.array([" rotation" in name or " twist" in name for name in coordinates])
         sizes = np.diag(stiffness) / np.where(turning, arm**2, 1.0)
@@ -224,16 +231,17 @@ class _Script:
             self.add("uniaxialMaterial", "Elastic", tag, size)
 
 
-def _own_stiffness(structure: Structure) -> list[Floats]:
+def _element_stiffness(structure: Structure) -> list[Floats]:
     """Return the stiffness [n, n] of each spring and of each hinge."""
     none: dict[str, object] = {"springs": (), "hinges": ()}
-    alone = [structure.model_copy(update=none | {"springs": (one,)}) for one in structure.springs]
-    alone += [structure.model_copy(update=none | {"hinges": (one,)}) for one in structure.hinges]
-    found = []
-    for one in alone:
-        matrices = build_matrices(one)
-        found.append(matrices.springs + hinge_stiffness(one, matrices))
-    return found
+    elements: list[dict[str, object]] = [{"springs": (spring,)} for spring in structure.springs]
+    elements += [{"hinges": (hinge,)} for hinge in structure.hinges]
+    stiffness_matrices = []
+    for element in elements:
+        part = structure.model_copy(update=none | element)
+        matrices = build_matrices(part)
+        stiffness_matrices.append(matrices.springs + hinge_stiffness(part, matrices))
+    return stiffness_matrices
 
 
 def _damping(prepared: Prepared) -> tuple[float, list[float], float]:
@@ -242,13 +250,17 @@ def _damping(prepared: Prepared) -> tuple[float, list[float], float]:
     C = a M + sum of b K of springs and hinges, all >= 0, closest to that of the structure in its
     modes; a only for the damping of Shen (2023). The error is relative to the largest damping.
     """
+    # Modal damping divided by the frequencies is proportional to the damping ratios, so that the
+    # fit gives all modes the same weight.
     shapes = prepared.modes.shapes / np.sqrt(prepared.modes.frequencies)
-    source = prepared.structure.damping.kind == "source"
-    own = [prepared.matrices.mass * source, *_own_stiffness(prepared.structure)]
-    *parts, damping = ((shapes.T @ one @ shapes).ravel() for one in (*own, prepared.damping))
-    (a, *b), _ = scipy.optimize.nnls(np.column_stack(parts), damping)
-    lost = np.abs(np.column_stack(parts) @ [a, *b] - damping).max()
-    return float(a), [float(one) for one in b], float(lost / max(np.abs(damping).max(), TINY))
+    source = prepared.structure.damping.kind in SOURCE_KINDS
+    matrices = [prepared.matrices.mass * source, *_element_stiffness(prepared.structure)]
+    parts = np.column_stack([(shapes.T @ matrix @ shapes).ravel() for matrix in matrices])
+    damping = (shapes.T @ prepared.damping @ shapes).ravel()
+    factors, _ = scipy.optimize.nnls(parts, damping)
+    error = np.abs(parts @ factors - damping).max()
+    relative_error = float(error / max(np.abs(damping).max(), TINY))
+    return float(factors[0]), factors[1:].tolist(), relative_error
 
 
 def _laws(
@@ -258,27 +270,29 @@ def _laws(
     count = len(structure.bearings)
     if bearing is None:
         return [None] * count
-    alone = isinstance(bearing, Bearing | BilinearBearing | str | Path)
-    given: list[Lines] = [bearing] if alone else list(bearing)  # type: ignore[arg-type, list-item]
-    if len(given) == 1:
-        given *= count
-    if len(given) != count:
+    single = isinstance(bearing, Bearing | BilinearBearing | str | Path)
+    line_bearings: list[Lines] = [bearing] if single else list(bearing)  # type: ignore[arg-type, list-item]
+    if len(line_bearings) == 1:
+        line_bearings *= count
+    if len(line_bearings) != count:
         raise InputError(
-            f"bearings: {len(given)} for {count} bearing lines; give one, or one for each line",
+            f"bearings: {len(line_bearings)} for {count} bearing lines; give one, or one for each "
+            "line",
             structure.name,
         )
-    found: dict[int, BilinearParameters] = {}
-    for one in given:
-        if id(one) in found:
+    # Lines usually share a bearing, and its bilinear model takes a cyclic test to find.
+    laws: dict[int, BilinearParameters] = {}
+    for line_bearing in line_bearings:
+        if id(line_bearing) in laws:
             continue
-        device = load_device(one) if isinstance(one, str | Path) else one
+        device = load_device(line_bearing) if isinstance(line_bearing, str | Path) else line_bearing
         if isinstance(device, BilinearBearing):
-            found[id(one)] = BilinearParameters(
+            laws[id(line_bearing)] = BilinearParameters(
                 device.strength, device.post_yield_stiffness, device.initial_stiffness
             )
         else:
-            found[id(one)] = bilinear_parameters(device, temperature=ambient)
-    return [found[id(one)] for one in given]
+            laws[id(line_bearing)] = bilinear_parameters(device, temperature=ambient)
+    return [laws[id(line_bearing)] for line_bearing in line_bearings]
 
 
 def _build(
@@ -295,8 +309,10 @@ def _build(
         script.add_body(body)
     script.add("#", "masses, springs and hinges")
     script.add_masses()
-    a, dashpots, lost = _damping(prepared)
-    if lost > SAME:
+    a, dashpots, error = _damping(prepared)
+    # Damping that these terms cannot express is replaced by dashpots parallel to springs and
+    # hinges; a remark tells the reader.
+    if error > SAME:
         a, dashpots, _ = _damping(prepare_structure(structure, damping="element"))
     script.mass_damping = a
     if a:
@@ -309,7 +325,7 @@ def _build(
     pairs = zip(structure.bearings, laws, strict=True)
     tags = [script.add_line(line, law) for line, law in pairs]
     remarks = []
-    if lost > SAME:
+    if error > SAME:
         remarks.append(
             f'Damping is that of kind = "element", dashpots parallel to springs and hinges, not '
             f'"{structure.damping.kind}" as here'
@@ -321,35 +337,27 @@ def _build(
     return script, tags, remarks
 
 
-def _shaking(
-    motion: GroundMotion | MotionPair | str | Path, file: Path, tags: Sequence[int], ways: int
+def _ground_motion_commands(
+    motion: GroundMotion | MotionPair | str | Path, file: Path, tags: Sequence[int], components: int
 ) -> tuple[dict[Path, str], list[tuple[Word, ...]]]:
     """Return files with the ground acceleration, and the commands of a transient analysis."""
-    given = load_motion(motion) if isinstance(motion, str | Path) else motion
-    if isinstance(given, MotionPair):
-        ground = given.rotated()[:, :ways]
+    record = load_motion(motion) if isinstance(motion, str | Path) else motion
+    if isinstance(record, MotionPair):
+        ground = record.rotated()[:, :components]
     else:
-        ground = given.acceleration[:, None]
+        ground = record.acceleration[:, None]
     files: dict[Path, str] = {}
     commands: list[tuple[Word, ...]] = []
-    for axis, way in enumerate(DIRECTIONS[: ground.shape[1]], 1):
-        path = file.with_name(f"{file.stem}-{way}.txt")
-        files[path] = "".join(
-            f"{value!r}\n" for value in [*(ground[:, axis - 1] / METRE).tolist(), 0.0]
-        )
-        series = ("-dt", given.dt, "-filePath", path.name)
+    for axis, direction in enumerate(DIRECTIONS[: ground.shape[1]], 1):
+        path = file.with_name(f"{file.stem}-{direction}.txt")
+        values = [*(ground[:, axis - 1] / METRE).tolist(), 0.0]
+        files[path] = "".join(f"{value!r}\n" for value in values)
+        series = ("-dt", record.dt, "-filePath", path.name)
         commands.append(("timeSeries", "Path", axis, *series))
         commands.append(("pattern", "UniformExcitation", axis, axis, "-accel", axis))
     for kind, name in (("force", "forces"), ("basicDeformation", "deformations")):
-        output: tuple[Word, ...] = (
-            "-file",
-            f"{file.stem}-{name}.txt",
-            "-time",
-            "-ele",
-            *tags,
-            kind,
-        )
-        commands.append(("recorder", "Element", *output))
+        output = f"{file.stem}-{name}.txt"
+        commands.append(("recorder", "Element", "-file", output, "-time", "-ele", *tags, kind))
     commands += [
         ("wipeAnalysis",),
         ("constraints", "Transformation"),
@@ -359,7 +367,7 @@ def _shaking(
         ("algorithm", "Newton"),
         ("integrator", "Newmark", 0.5, 0.25),
         ("analysis", "Transient"),
-        ("analyze", len(ground) - 1, given.dt),
+        ("analyze", len(ground) - 1, record.dt),
     ]
     return files, commands
 
@@ -403,6 +411,7 @@ ENDS = {
 }
 
 
+@checked
 def write_structure(
     structure: Structure | str | Path,
     file: str | Path,
@@ -469,8 +478,8 @@ def write_structure(
     lines.append(PERIODS[language].format(len(prepared.matrices.coordinates)))
     files: dict[Path, str] = {}
     if motion is not None:
-        ways = 2 if structure.plan else 1
-        files, analysis = _shaking(motion, target, tags, ways)
+        components = 2 if structure.plan else 1
+        files, analysis = _ground_motion_commands(motion, target, tags, components)
         *before, last = _render(analysis, language)
         lines += [*before, ENDS[language].format(last.removeprefix("ops."))]
         lines += _render([("wipe",)], language)

@@ -86,10 +86,11 @@ class Setup(NamedTuple):
                 "a genericClient element with displacements, velocities, accelerations and forces "
                 "of the same degrees of freedom; another program may have connected"
             )
-        least = cls.smallest(n).size
-        if not least <= size <= MOST_SIZE:
+        smallest_size = cls.smallest(n).size
+        if not smallest_size <= size <= MOST_SIZE:
             raise WireError(
-                f"dataSize = {size}: must be from {least} to {MOST_SIZE} for {n} degrees of freedom"
+                f"dataSize = {size}: must be from {smallest_size} to {MOST_SIZE} for {n} degrees "
+                "of freedom"
             )
         return cls(n, size)
 
@@ -107,7 +108,7 @@ class Setup(NamedTuple):
 
     def nothing(self, _: "Action") -> bytes:
         """Return an answer of NaN."""
-        return b"\xff" * self.length
+        return b"\xff" * self.length  # a double with all bits set is NaN
 
     def finish(self) -> "list[Request]":
         """Return what remains to be done when the client has left."""
@@ -143,8 +144,9 @@ class Request(NamedTuple):
                 f"{numbers[0]!r} is not an action code of genericClient; messages of another "
                 f"length than {setup.size} doubles, or of another program, have arrived"
             )
-        middle = numbers[1:-1]
-        return cls(action, middle[:n], middle[n : 2 * n], middle[2 * n :], numbers[-1])
+        response = numbers[1:-1]  # displacements, velocities and accelerations, one after another
+        displacement, velocity, acceleration = response[:n], response[n : 2 * n], response[2 * n :]
+        return cls(action, displacement, velocity, acceleration, numbers[-1])
 
     @property
     def finite(self) -> bool:
@@ -221,10 +223,11 @@ class UtSim:
 
     def _move(self, x: list[float], number: int) -> list[Request]:
         """Return a trial, after the commit of the last step if this is another one."""
-        done = [] if number == self._step else self.finish()
+        # The number of the step has 16 bits and begins again: the difference modulo 2^16 counts.
+        requests = [] if number == self._step else self.finish()
         self._time += self._dt * (1 if self._step is None else (number - self._step) % STEPS)
         self._step, self._x = number, x
-        return [*done, self._request(Action.SET_TRIAL)]
+        return [*requests, self._request(Action.SET_TRIAL)]
 
     def reply(self, values: Sequence[float] | NDArray[np.float64], action: Action) -> bytes:
         """Return the answer to an action, with the content that the client wants."""
@@ -292,22 +295,22 @@ def acknowledge(connection: socket.socket) -> None:
 def receive_exactly(connection: socket.socket, count: int, limit: float) -> bytes:
     """Return `count` bytes; TimeoutError or ConnectionError unless they arrive in `limit` [s]."""
     data = bytearray(count)
-    view, done, end = memoryview(data), 0, time.monotonic() + limit
-    while done < count:
-        left = end - time.monotonic()
+    view, received, end = memoryview(data), 0, time.monotonic() + limit
+    while received < count:
+        remaining = end - time.monotonic()
         try:
-            if left <= 0.0:
+            if remaining <= 0.0:
                 raise TimeoutError
-            connection.settimeout(left)
-            got = connection.recv_into(view[done:])
+            connection.settimeout(remaining)
+            length = connection.recv_into(view[received:])
         except TimeoutError:
             raise TimeoutError(
-                f"{done} of {count} bytes of a message arrived within {limit:g} s"
+                f"{received} of {count} bytes of a message arrived within {limit:g} s"
             ) from None
-        if not got:
+        if not length:
             raise ConnectionError(
-                f"the connection was closed after {done} of {count} bytes of a message"
+                f"the connection was closed after {received} of {count} bytes of a message"
             )
         acknowledge(connection)
-        done += got
+        received += length
     return bytes(data)

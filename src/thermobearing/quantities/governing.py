@@ -5,12 +5,14 @@ rounding depends on the processor and its libraries. Values within `TIE` of the 
 therefore equal to it, and the first of them in the order of the input governs.
 """
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+SLACK_KELVIN = 2.0  # beyond tested temperatures: chambers are held within 1 to 2 K
 TIE = 1e-9  # of the largest magnitude among the values that are compared
 
 Places = NDArray[np.intp]
@@ -82,3 +84,17 @@ def _scale(numbers: Any) -> Any:
     """Return the largest finite magnitude along the last axis, which is kept."""
     sizes = np.where(np.isfinite(numbers), np.abs(numbers), 0.0)
     return sizes.max(axis=-1, keepdims=True, initial=0.0)
+
+
+def place_words(count: int, runs: int, where: str, most: str = "largest") -> str:
+    """Return in how many of the runs something occurs, and where most of it.
+
+    >>> place_words(5, 9, "Tohoku, 23 degC")
+    'in 5 of 9 runs; largest in Tohoku at 23 degC'
+    >>> place_words(1, 1, "the run at 40 degC")
+    'in the run at 40 degC'
+    """
+    place = where if " at " in where else re.sub(r", (?=-?[\d.]+ degC$)", " at ", where)
+    if runs == 1:
+        return f"in {place}"
+    return f"in {count} of {runs} runs; {most} in {place}"

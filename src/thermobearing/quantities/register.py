@@ -128,10 +128,10 @@ def format_number(value: Any, form: str = ".3g") -> str:
 @cache
 def registered_quantities() -> Mapping[str, Quantity]:
     """Return all rows of the register by name."""
-    found: dict[str, Quantity] = {}
+    quantities: dict[str, Quantity] = {}
     for file in sorted(data_path("quantities").iterdir(), key=lambda path: path.name):
         for name, row in tomllib.loads(file.read_text(encoding="utf-8")).items():
-            if name in found:
+            if name in quantities:
                 raise ValueError(f"{file.name}: {name} is registered twice")
             stored = row.pop("unit", "")
             unit = row.pop("shown", TYPESET.get(stored, stored))
@@ -139,8 +139,8 @@ def registered_quantities() -> Mapping[str, Quantity]:
             if factor == 1.0 and unit != TYPESET.get(stored, stored):
                 raise ValueError(f"{file.name}: {name}: no factor from {stored} to {unit}")
             row.setdefault("variable", name)
-            found[name] = Quantity(unit=unit, name=name, stored=stored, factor=factor, **row)
-    return found
+            quantities[name] = Quantity(unit=unit, name=name, stored=stored, factor=factor, **row)
+    return quantities
 
 
 def quantity(name: str, /, **changes: Any) -> Quantity:
@@ -153,5 +153,5 @@ def quantity(name: str, /, **changes: Any) -> Quantity:
     >>> quantity("bearing_force_max_kN", head="Peak force", form=".1f").title
     'Peak force [kN]'
     """
-    found = registered_quantities()[name]
-    return replace(found, **changes) if changes else found
+    registered = registered_quantities()[name]
+    return replace(registered, **changes) if changes else registered

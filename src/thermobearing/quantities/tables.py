@@ -45,27 +45,29 @@ class Table:
         texts, names = self.texts(), [column.name for column in self.columns]
         if joined not in names:
             return self
-        apart, groups = names.index(joined), dict[tuple[Any, ...], list[int]]()
+        joined_place, groups = names.index(joined), dict[tuple[Any, ...], list[int]]()
         for row, cells in enumerate(texts):
+            # A marked cell and one without a mark read alike, but are not the same.
             marks = [(row, k) in self.marked for k in range(len(names))]
-            groups.setdefault((*cells[:apart], *cells[apart + 1 :], *marks), []).append(row)
-        rows, first = [], [same[0] for same in groups.values()]
-        for same in groups.values():
-            rows.append(list(self.rows[same[0]]))
-            if len(same) > 1:
-                rows[-1][apart] = ", ".join(texts[row][apart] for row in same)
-        marked = {(first.index(row), k) for row, k in self.marked if row in first}
-        failed = {first.index(row) for row in self.failed if row in first}
+            key = (*cells[:joined_place], *cells[joined_place + 1 :], *marks)
+            groups.setdefault(key, []).append(row)
+        rows, first_rows = [], [group[0] for group in groups.values()]
+        for group in groups.values():
+            rows.append(list(self.rows[group[0]]))
+            if len(group) > 1:
+                rows[-1][joined_place] = ", ".join(texts[row][joined_place] for row in group)
+        marked = {(first_rows.index(row), k) for row, k in self.marked if row in first_rows}
+        failed = {first_rows.index(row) for row in self.failed if row in first_rows}
         return replace(self, rows=rows, marked=frozenset(marked), failed=frozenset(failed))
 
     def numeric(self) -> set[int]:
         """Return the columns that mostly contain numbers, which are aligned at the right."""
-        found = set()
+        numeric_columns = set()
         for place, column in enumerate(self.columns):
             values = [row[place] for row in self.rows if column.text(row[place])]
             if 2 * sum(map(is_number, values)) > len(values):
-                found.add(place)
-        return found
+                numeric_columns.add(place)
+        return numeric_columns
 
 
 def is_number(value: Any) -> bool:
@@ -102,34 +104,34 @@ def make_table(
     >>> [column.title for column in table.columns], table.texts()
     (['Motion', 'Energy of one [kJ]'], [['a', '5.2']])
     """
-    wanted = list(frame.columns) if names is None else list(names)
+    selected = list(frame.columns) if names is None else list(names)
     columns: list[Quantity] = []
-    for item in wanted:
+    for item in selected:
         name = item.name if isinstance(item, Quantity) else str(item)
         if name in frame and not (drop_empty and _is_empty(frame[name])):
-            found = item if isinstance(item, Quantity) else _find(frame[name])
+            described = item if isinstance(item, Quantity) else _find(frame[name])
             head = (heads or {}).get(name)
-            columns.append(replace(found, head=head) if head else found)
-    given = {name: flags for name, flags in (marked or {}).items() if any(flags)}
-    fixed = [] if keep_keys else _fixed_keys(frame, columns[:keys], given)
+            columns.append(replace(described, head=head) if head else described)
+    marked_columns = {name: flags for name, flags in (marked or {}).items() if any(flags)}
+    fixed = [] if keep_keys else _fixed_keys(frame, columns[:keys], marked_columns)
     if fixed:
         caption = _with_fixed_keys(caption, frame, fixed)
         columns, keys = [c for c in columns if c not in fixed], keys - len(fixed)
     stored = [frame[column.name].tolist() for column in columns]
-    shown = [[c.shown(v) for v in values] for c, values in zip(columns, stored, strict=True)]
+    displayed = [[c.shown(v) for v in values] for c, values in zip(columns, stored, strict=True)]
     places = [column.name for column in columns]
     marks = {
         (row, places.index(name))
-        for name, flags in given.items()
+        for name, flags in marked_columns.items()
         if name in places
         for row, flag in enumerate(flags)
         if flag
     }
     failed: frozenset[int] = frozenset()
     if "outcome" in frame:
-        ended = frame["outcome"].tolist()
-        failed = frozenset(k for k, outcome in enumerate(ended) if outcome != "completed")
-    rows = [list(row) for row in zip(*shown, strict=True)]
+        outcomes = frame["outcome"].tolist()
+        failed = frozenset(k for k, outcome in enumerate(outcomes) if outcome != "completed")
+    rows = [list(row) for row in zip(*displayed, strict=True)]
     return Table(caption, columns, rows, keys, frozenset(marks), note, failed, governing)
 
 

@@ -5,6 +5,7 @@ and assumptions.
 """
 
 import json
+import math
 import re
 import tomllib
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -15,10 +16,13 @@ from typing import Any
 
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
-from thermobearing.border.toml import flat
-from thermobearing.quantities.governing import largest_by, least_by
+from thermobearing.border.opener import LARGEST_MEMBER, read_bytes, read_json
+from thermobearing.border.toml import flat, read_toml
+from thermobearing.border.units import split_quantity
+from thermobearing.quantities.governing import SLACK_KELVIN, largest_by, least_by
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import counted, identity_rows, plain, printed_unit, tidy
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_ASSESSED,
@@ -28,12 +32,21 @@ from thermobearing.report.pieces import (
     Plot,
     ReportFigure,
 )
-from thermobearing.report.words import counted, identity_rows, joined, plain, printed_unit, tidy
 from thermobearing.results.directory import COMPARISON, FIGURES, SUMMARY
-from thermobearing.results.ranges import NOT_GIVEN, SLACK, TESTED, parted, rate_note, ring_note
-from thermobearing.results.saved import SavedResult
+from thermobearing.results.ranges import (
+    NOT_GIVEN,
+    SLACK,
+    TESTED,
+    parted,
+    rate_note,
+    ring_note,
+    runs_of,
+)
+from thermobearing.results.saved import SavedResult, read_csv
 
 Row = Mapping[Any, Any]
+PREPARED = "Prepared by"
+SIGNED = (PREPARED, "Checked by", "Approved by")  # roles, also words of the title block
 
 
 def build_pieces(
@@ -66,23 +79,24 @@ def build_pieces(
     the tested range give a note on strain rates in earthquakes, `lead_rise` [K] one on the rubber
     around the lead, `residuals` of the energy balance the table "quality".
     """
-    of_range, others = parted(dict.fromkeys(warnings))
+    of_range, other_warnings = parted(dict.fromkeys(warnings))
     beyond = [*(map(tidy, of_range) if range_given else ()), *validity]
     unknown = "" if range_given else " ".join(map(tidy, of_range))
     rate, ring = rate_note(rate_rows), ring_note(lead_rise)
-    quality, poor = _quality_table(residuals)
-    said = [_verdict(checks, beyond, unknown, rate)] if judged else []
+    quality, residual_warnings = _quality_table(residuals)
+    verdict = [_verdict(checks, beyond, unknown, rate)] if judged else []
+    parts.setdefault("signatures", SIGNED)
     return Pieces(
         command=command,
         title=title,
         question=question,
-        answer=[*answer, *said],
+        answer=[*answer, *verdict],
         tables={**(tables or {}), **({"quality": quality} if len(quality) else {})},
         checks=checks,
         validity=beyond,
         validity_unknown=unknown,
         notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
-        warnings=[*poor, *map(tidy, others)],
+        warnings=[*residual_warnings, *map(tidy, other_warnings)],
         identity=identity,
         **parts,
     )
@@ -91,8 +105,8 @@ def build_pieces(
 def result_parts(result: Any, case: str, command: str, *, range_given: bool) -> dict[str, Any]:
     """Return what `build_pieces` needs of a result with a dataset, and of its resolved case."""
     version = str(result.dataset.attrs["version"])
-    again = f"thermobearing {command} case.resolved.toml"
-    identity = identity_rows(version, case, again)
+    repeat_command = f"thermobearing {command} case.resolved.toml"
+    identity = identity_rows(version, case, repeat_command)
     return {"identity": identity, "warnings": result.warnings, "range_given": range_given}
 
 
@@ -101,43 +115,49 @@ def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
 
     `otherwise` made it where no command was typed.
     """
-    given = bool(saved.summary.get("tested_range")) or not any(
+    range_given = bool(saved.summary.get("tested_range")) or not any(
         NOT_GIVEN in text for text in saved.warnings
     )
     identity = saved_identity(saved, otherwise)
-    return {"identity": identity, "warnings": saved.warnings, "range_given": given}
+    return {"identity": identity, "warnings": saved.warnings, "range_given": range_given}
 
 
 def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
     """Return version, hash of what went in, and the command that was typed, or `otherwise`."""
     summary = saved.summary
-    what, tests = "summary.json", {}
+    hashed_name, tests = "summary.json", {}
     hashed: Any = summary
+    # Where the summary has the inputs, they identify the result; otherwise all of it does.
     if (inputs := summary.get("inputs")) is not None:
         records = summary.get("records", summary.get("comparisons", []))
-        digests = [str((one.get("conditions") or {}).get("sha256", "")) for one in records]
-        names = [str(one.get("name", one.get("test"))) for one in records]
+        digests = [str((record.get("conditions") or {}).get("sha256", "")) for record in records]
+        names = [str(record.get("name", record.get("test"))) for record in records]
         tests = {f"SHA-256 of test {n}": d for n, d in zip(names, digests, strict=True) if d}
-        what, hashed = "inputs and tests in summary.json", [inputs, digests]
+        hashed_name, hashed = "inputs and tests in summary.json", [inputs, digests]
     command = str(summary.get("command_line") or otherwise)
     version, text = str(summary.get("version", "unknown")), json.dumps(hashed, sort_keys=True)
-    return identity_rows(version, text, command, what) | tests
+    return identity_rows(version, text, command, hashed_name) | tests
 
 
 # Limits.
 # Largest residual of the energy balance, of the largest energy in it: rounding comes to 1e-10, what
 # is more is a fault of the computation.
-BOOKS_CLOSE = 1e-6
+RESIDUAL_LIMIT = 1e-6
 TESTED_RANGE = "calibration range"  # how the source of those limits begins
 RIG = {"force": "force", "stroke": "stroke", "speed": "speed"}
-TESTS = {name: title for name, (_, title, _, _) in TESTED.items()}
-TESTS |= {"strain": "shear strain", "ambient": "ambient temperature"}
-TESTS |= {"lead_temperature": "temperature of the lead"}
+TESTS = {name: title for name, (_, title, _, _) in TESTED.items()} | {
+    "strain": "shear strain",
+    "ambient": "ambient temperature",
+    "lead_temperature": "temperature of the lead",
+}
 IN_EARTHQUAKES = {name: title for name, title in TESTS.items() if name != "strain_rate"}
 
 
 def limit_checks(
-    rows: Iterable[Row], titles: Mapping[str, str], source: str, bearings: Sequence[str] = ()
+    rows: Iterable[Row],
+    titles: Mapping[str, str],
+    source: str,
+    bearings: Sequence[str] = (),
 ) -> list[Check]:
     """Return a check for each end of each limit: the run that goes farthest.
 
@@ -150,40 +170,52 @@ def limit_checks(
             run = str(row["run"])
             bearing = next((name for name in bearings if run.startswith(f"{name}, ")), "")
             groups.setdefault((bearing, row["limit"]), []).append(row)
-    found = []
-    for (bearing, limit), mine in groups.items():
+    checks = []
+    for (bearing, limit), group_rows in groups.items():
         name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]
-        above = largest_by(mine, lambda row: float(row["asked"]))
-        found.append(_check(name, above, bearing, source, lower=False))
-        below = least_by(mine, lambda row: float(row["asked"]))
-        if below["passed"] and below["asked"] < below["lowest"]:
-            found.append(_check(name, below, bearing, source, lower=True))
-    return found
+        # The upper end always, the lower one only where a run passes it.
+        passed = [row for row in group_rows if row["passed"]]
+        too_low = [row for row in passed if row["demand"] < row["lowest"]]
+        above = largest_by(group_rows, lambda row: float(row["demand"]))
+        runs = runs_of(row for row in passed if row not in too_low)
+        checks.append(_check(name, above, bearing, source, runs, lower=False))
+        if too_low:
+            below = least_by(too_low, lambda row: float(row["demand"]))
+            checks.append(_check(name, below, bearing, source, runs_of(too_low), lower=True))
+    of_tests = source.startswith(TESTED_RANGE)
+    return [replace(check, of_tests=of_tests) for check in checks]
 
 
-def _check(name: str, row: Row, bearing: str, source: str, *, lower: bool) -> Check:
-    """Return the check of one end of a limit."""
-    limit, value = float(row["lowest"] if lower else row["largest"]), float(row["asked"])
+def _check(
+    name: str, row: Row, bearing: str, source: str, runs: Collection[str], *, lower: bool
+) -> Check:
+    """Return the check of one end of a limit, which `runs` pass."""
+    limit, value = float(row["lowest"] if lower else row["largest"]), float(row["demand"])
     unit, factor = ("%", 100.0) if row["limit"] == "strain" else printed_unit(str(row["unit"]))
     outside = value < limit if lower else value > limit
+    # A value that is outside by no more than the slack is still within; the source says so.
     passed = bool(row["passed"]) and outside
     if outside and not passed:
-        source = f"{source}, and {100.0 * SLACK:.0f} % more"
-    what = f"{name} ({plain(str(row['run']).removeprefix(f'{bearing}, '))})"
+        allowance = f"{SLACK_KELVIN:g} K" if row["unit"] == "degC" else f"{100.0 * SLACK:.0f} %"
+        source = f"{source}, and {allowance} more"
+    label = f"{name} ({plain(str(row['run']).removeprefix(f'{bearing}, '))})"
     verdict = EXCEEDED if passed else PASSED
-    return Check(what, factor * value, factor * limit, unit, source, verdict, lower)
+    check = Check(label, factor * value, factor * limit, unit, source, verdict, lower)
+    return replace(check, runs=frozenset(runs))
 
 
 def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
     """Return the residuals of the energy balance as a table, and warnings of those too large."""
     cells, warnings = [], []
-    for what, value, limit, source in rows:
-        judged = value == value and limit == limit
-        verdict = (PASSED if abs(value) <= limit else EXCEEDED) if judged else NOT_ASSESSED
-        cells.append([what, abs(value), limit, source, verdict])
+    for name, value, limit, source in rows:
+        if value != value or limit != limit:  # NaN
+            verdict = NOT_ASSESSED
+        else:
+            verdict = PASSED if abs(value) <= limit else EXCEEDED
+        cells.append([name, abs(value), limit, source, verdict])
         if verdict == EXCEEDED:
             warnings.append(
-                f"The {what} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
+                f"The {name} of the energy balance is {abs(value):.1e}, above {limit:.0e}: the "
                 "results are not accurate; use a smaller dt."
             )
     heads = ("Energy balance", "Largest", "Limit", "Source of the limit", "Verdict")
@@ -194,19 +226,47 @@ def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table
 
 
 INSIDE = "results lie inside the calibration range."
+OUTSIDE = "outside the calibration range"
+
+
+def _quantities(count: int) -> str:
+    return "1 quantity" if count == 1 else f"{count} quantities"
 
 
 def summarize_checks(checks: Sequence[Check]) -> str:
-    """Return how many checks are exceeded, and how many could not be assessed."""
-    if not checks:
-        return "No limit was given."
-    many, verdicts = counted(len(checks), "check"), [check.verdict for check in checks]
-    exceeded, unknown = (verdicts.count(one) for one in (EXCEEDED, NOT_ASSESSED))
-    if not exceeded + unknown:
-        return f"No limit is exceeded ({many})."
-    found = [f"{exceeded} exceed{'s' * (exceeded == 1)} the limit"] if exceeded else []
-    found += [f"{unknown} cannot be assessed"] if unknown else []
-    return f"Of {many}, {joined(found)}."
+    """Return how many checks fail, lie outside the calibration range, or lack limit or value.
+
+    A quantity outside the range is one check; the runs are those that leave it in any quantity.
+    """
+    engineering = [check for check in checks if not check.of_tests]
+    if not engineering:
+        return "No engineering limit was given."
+    exceeded, outside = (
+        sum(check.of_tests == of_tests and check.verdict == EXCEEDED for check in checks)
+        for of_tests in (False, True)
+    )
+    beyond = [check for check in checks if check.of_tests and check.verdict == EXCEEDED]
+    runs = frozenset[str]().union(*(check.runs for check in beyond))
+    in_runs = f" in {counted(len(runs), 'run')}" if runs else ""
+    lacking = [check for check in engineering if check.without_limit]
+    # As the sentence of `not_entered` counts them: a limit of several bearings is one to enter.
+    limits, without = len({check.limited or check.what for check in lacking}), len(lacking)
+    verb = "is" if limits == 1 else "are"
+    missing = sum(check.verdict == NOT_ASSESSED for check in engineering) - without
+    parts = [
+        f"{counted(exceeded, 'check')} exceed{'s its' if exceeded == 1 else ' their'} limit",
+        f"{_quantities(outside)} {'is' if outside == 1 else 'are'} {OUTSIDE}{in_runs}",
+        f"{counted(limits, 'limit')} {verb} not entered ({counted(without, 'check')})",
+        f"{counted(missing, 'check')} {'lacks' if missing == 1 else 'lack'} an input",
+    ]
+    counts = exceeded, outside, without, missing
+    clauses = [text for text, count in zip(parts, counts, strict=True) if count]
+    satisfied = len(checks) - sum(counts)
+    if not clauses:
+        return f"No limit is exceeded ({counted(satisfied, 'check')})."
+    if satisfied:
+        clauses.append(f"the other {satisfied} {'is' if satisfied == 1 else 'are'} satisfied")
+    return f"{'; '.join(clauses)}."
 
 
 def _verdict(
@@ -214,22 +274,24 @@ def _verdict(
 ) -> str:
     """Return the sentences on limits and validity, the last of an answer."""
     if unknown:
-        text = "The calibration range is not given, so that validity cannot be assessed."
+        text = "The calibration range of a bearing is not stated, so validity is not checked."
     elif validity:
-        text = "Some results lie outside the calibration range and are extrapolated."
+        text = "Some results are outside the calibration range."
     else:
         text = f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}"
-    return f"{summarize_checks(checks)} {text}"
+    summary = summarize_checks(checks)
+    return summary if OUTSIDE in summary else f"{summary} {text}"
 
 
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
     """Return whether a value of a run lies outside the range, and the run was found to leave it."""
-    mine = [row for row in rows if (row["run"], row["limit"]) == (run, limit) and row["passed"]]
-    return any(not row["lowest"] <= value <= row["largest"] for row in mine)
+    exceeded_rows = [
+        row for row in rows if (row["run"], row["limit"]) == (run, limit) and row["passed"]
+    ]
+    return any(not row["lowest"] <= value <= row["largest"] for row in exceeded_rows)
 
 
 # Inputs.
-QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s+(.+))?")
 COLUMNS = (Quantity("What"), Quantity("Value", form=".4g"), Quantity("Unit"), Quantity("Source"))
 RANGES = ("tested_range.",)  # keys whose two values are ends
 
@@ -242,9 +304,10 @@ def _input_names() -> dict[str, str]:
 def key_words(key: str) -> str:
     """Return words for a dotted key of an input; the key in words where nothing is known."""
     parts = key.split(".")
+    # The longest ending of the key that has words: "lead.diameter" before "diameter".
     for first in range(len(parts)):
-        if known := _input_names().get(".".join(parts[first:])):
-            return known
+        if phrase := _input_names().get(".".join(parts[first:])):
+            return phrase
     words = ", ".join(part.split("[")[0].replace("_", " ") for part in parts)
     return words[:1].upper() + words[1:]
 
@@ -259,12 +322,12 @@ def input_table(
     note: str = "",
 ) -> Table:
     """Return a row for each value of a table of a resolved input."""
-    known = sources or {}
+    source_by_key = sources or {}
     rows = []
     for key, value in flat(table).items():
-        if any(key == one or key.startswith((f"{one}.", f"{one}[")) for one in without):
+        if any(key == prefix or key.startswith((f"{prefix}.", f"{prefix}[")) for prefix in without):
             continue
-        source = known.get(key) or known.get(key.split("[")[0]) or otherwise
+        source = source_by_key.get(key) or source_by_key.get(key.split("[")[0]) or otherwise
         rows.append((key_words(key), *value_and_unit(value, ends=key.startswith(RANGES)), source))
     return Table(caption, COLUMNS, rows, note=note)
 
@@ -275,12 +338,14 @@ def value_and_unit(value: Any, *, ends: bool = False) -> tuple[Any, str]:
     With `ends` two values are the ends of a range.
     """
     if isinstance(value, list | tuple):
-        return _several([value_and_unit(one) for one in value], ends)
-    found = QUANTITY.fullmatch(value.strip()) if isinstance(value, str) else None
-    if found is None or found[2] is None:
+        return _several([value_and_unit(item) for item in value], ends)
+    number, unit = (split_quantity(value) if isinstance(value, str) else None) or ("nan", "")
+    # "2nd pier" is a name: a unit stands apart from its number.
+    apart = bool(unit) and value.strip()[len(number)].isspace()
+    if not apart or not math.isfinite(float(number)):
         return value, ""
-    unit, factor = printed_unit(found[2])
-    return factor * float(found[1]), unit
+    unit, factor = printed_unit(unit)
+    return factor * float(number), unit
 
 
 def _several(pairs: Sequence[tuple[Any, str]], ends: bool) -> tuple[Any, str]:
@@ -299,12 +364,31 @@ def _several(pairs: Sequence[tuple[Any, str]], ends: bool) -> tuple[Any, str]:
 # Saved results.
 # Ends of names of columns and of keys of a summary, and the unit that they say.
 UNITS = {
-    **{unit: unit for unit in ("mm", "kN", "MPa", "s", "K", "t", "Hz", "gal", "kJ", "m", "rad")},
-    **{"degC": "°C", "kN_mm": "kN mm", "kN_per_mm": "kN/mm", "mm_s": "mm/s", "m_s2": "m/s²"},
-    **{"cm_s": "cm/s", "cm": "cm", "kN_m": "kN m", "kNmm": "kN mm", "percent": "%", "m_s": "m/s"},
+    "mm": "mm",
+    "kN": "kN",
+    "MPa": "MPa",
+    "s": "s",
+    "K": "K",
+    "t": "t",
+    "Hz": "Hz",
+    "gal": "gal",
+    "kJ": "kJ",
+    "m": "m",
+    "rad": "rad",
+    "degC": "°C",
+    "kN_mm": "kN mm",
+    "kN_per_mm": "kN/mm",
+    "mm_s": "mm/s",
+    "m_s2": "m/s²",
+    "cm_s": "cm/s",
+    "cm": "cm",
+    "kN_m": "kN m",
+    "kNmm": "kN mm",
+    "percent": "%",
+    "m_s": "m/s",
 }
 MOST_ROWS = 400  # of a table in a document; longer ones stay in their files
-TOLD_APART = {"command", "warnings", "outcome", "sentence", "version", "tested_range", "rig"}
+SHOWN_ELSEWHERE = {"command", "warnings", "outcome", "sentence", "version", "tested_range", "rig"}
 
 
 def pieces_of_saved(saved: SavedResult) -> Pieces:
@@ -314,9 +398,10 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
     for key, value in summary.items():
         if isinstance(value, list) and all(isinstance(item, str | int | float) for item in value):
             value = ", ".join(map(str, value))
-        if isinstance(value, str | int | float) and key not in TOLD_APART:
+        if isinstance(value, str | int | float) and key not in SHOWN_ELSEWHERE:
             facts.append((words(key)[0], value, words(key)[1]))
-    inputs = {"facts": Table("Values of the summary", COLUMNS[:3], facts)} if facts else {}
+    without_source = [column for column in COLUMNS if column.head != "Source"]
+    inputs = {"facts": Table("Values of the summary", without_source, facts)} if facts else {}
     return Pieces(
         command=saved.command,
         title=f"Result of {saved.command}",
@@ -324,18 +409,25 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
         answer=[str(summary.get("sentence") or f"The analysis ended: {saved.outcome}.")],
         inputs=inputs,
         tables={name: make_table(name, table) for name, table in saved.tables.items()},
-        figures=saved_figures(saved, {}),
+        figures=saved_figures(saved),
         warnings=saved.warnings,
         identity={"Program": f"thermobearing {summary.get('version', '')}".strip()},
     )
 
 
-def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, ReportFigure]:
+def figure_captions(command: str) -> dict[str, str]:
+    """Return the captions of the figures of a command, by the beginning of their names."""
+    captions: dict[str, str] = read_toml(data_path("reports", "captions.toml")).get(command, {})
+    return captions
+
+
+def saved_figures(saved: SavedResult, command: str = "") -> dict[str, ReportFigure]:
     """Return the pictures of a result directory with their captions, as SVG where there is one.
 
-    `captions` are by the beginning of the file's name (the longest that fits counts); those come
-    first, in this order.
+    The captions of the command are by the beginning of the file's name (the longest that fits
+    counts); those come first, in this order.
     """
+    captions = figure_captions(command)
     names = {path.stem: path for path in saved.figures}
     order = list(captions)
 
@@ -345,28 +437,30 @@ def saved_figures(saved: SavedResult, captions: Mapping[str, str]) -> dict[str, 
     def _place(name: str) -> int:
         return order.index(_beginning(name)) if _beginning(name) else len(order)
 
-    found = {}
+    figures = {}
     for name in sorted(names, key=_place):
         vector = names[name].with_suffix(".svg")
-        image = (vector if vector.is_file() else names[name]).read_bytes()
-        own = name.replace("_", " ").replace("-", " ")
-        caption = captions.get(_beginning(name), f"{own[:1].upper()}{own[1:]}.")
-        found[name] = ReportFigure(caption, image=image, alt=caption)
-    return found
+        image = read_bytes(vector if vector.is_file() else names[name], LARGEST_MEMBER)
+        title = name.replace("_", " ").replace("-", " ")
+        caption = captions.get(_beginning(name), f"{title[:1].upper()}{title[1:]}.")
+        figures[name] = ReportFigure(caption, image=image, alt=caption)
+    return figures
 
 
 def with_plot(
-    found: dict[str, ReportFigure], name: str, plot: Plot, captions: Mapping[str, str]
+    figures: dict[str, ReportFigure], name: str, plot: Plot, command: str
 ) -> dict[str, ReportFigure]:
     """Return figures with a plot of one of them; first, drawn from it, where it has none."""
-    if name in found:
-        return {**found, name: replace(found[name], plot=plot)}
-    return {name: ReportFigure(captions[name], alt=captions[name], plot=plot), **found}
+    if name in figures:
+        return {**figures, name: replace(figures[name], plot=plot)}
+    caption = figure_captions(command)[name]
+    return {name: ReportFigure(caption, alt=caption, plot=plot), **figures}
 
 
 def words(name: str) -> tuple[str, str]:
     """Return words and unit of a column such as "peak_force_kN"."""
     ends = {"kN_mm": "kN/mm"} if name.startswith("K_") else {}  # elsewhere kN_mm is an energy
+    # Longest endings first: "_kN_mm" ends with "_mm" too.
     for end, unit in sorted((UNITS | ends).items(), key=lambda item: -len(item[0])):
         if name.endswith(f"_{end}"):
             return re.sub(r"[_\s]+", " ", name.removesuffix(f"_{end}")), unit
@@ -377,8 +471,10 @@ def make_table(name: str, table: "pd.DataFrame") -> Table:
     """Return a table of a result directory as its file has it; of a long one its first rows."""
     shown = table.head(MOST_ROWS).dropna(axis="columns", how="all")
     rows = [tuple(row) for row in shown.itertuples(index=False, name=None)]
-    left = len(table) - len(shown)
-    note = f"The first {MOST_ROWS} of {len(table)} rows; all are in {name}.csv." if left else ""
+    row_excess = len(table) - len(shown)
+    note = (
+        f"The first {MOST_ROWS} of {len(table)} rows; all are in {name}.csv." if row_excess else ""
+    )
     columns = [_table_column(str(title), shown[title]) for title in shown.columns]
     return Table(words(name)[0].capitalize(), columns, rows, note=note)
 
@@ -386,49 +482,45 @@ def make_table(name: str, table: "pd.DataFrame") -> Table:
 def _table_column(title: str, values: "pd.Series[Any]") -> Quantity:
     """Return a column of a table of a result directory, in the unit of the file."""
     head, unit = words(title)
-    begins = head.split(" ")[0]
-    head = f"{head[:1].upper()}{head[1:]}" if len(begins) > 1 else head
-    digits = 4
+    first_word = head.split(" ")[0]
+    head = f"{head[:1].upper()}{head[1:]}" if len(first_word) > 1 else head
+    digits = 4  # or as many as the integer part has: 12345 and not 1.234e+04
     if pd.api.types.is_numeric_dtype(values) and not pd.api.types.is_bool_dtype(values):
         digits = max(4, len(f"{float(values.abs().max()):.0f}"))
     return Quantity(head, unit, f".{digits}g")
 
 
 LINE = "Warming compared with the test on a line of equal amplitude and period"
-CAPTIONS = {
-    "comparison": "Earlier models compared with the multi-layer one.",
-    "comparison_loops": "Loops of the multi-layer model and of a single temperature.",
-}
 NOTE = "Model minus multi-layer model; rms: root mean square."
 ALIKE = ("motion", "mode")  # said once where all runs have the same
 
 
 def comparison_pieces(directory: Path) -> tuple[Table, dict[str, ReportFigure]]:
     """Return table and pictures of the comparison of models in a result directory."""
-    frame = pd.read_csv(directory / COMPARISON)
+    frame = read_csv(directory / COMPARISON)
     if "outcome" in frame and (frame["outcome"] == "completed").all():
         frame = frame.drop(columns="outcome")
     frame = frame.dropna(axis="columns", how="all")
-    alike = {k: frame[k].iloc[0] for k in ALIKE if k in frame and frame[k].nunique() == 1}
-    frame = frame.drop(columns=list(alike))
+    shared = {k: frame[k].iloc[0] for k in ALIKE if k in frame and frame[k].nunique() == 1}
+    frame = frame.drop(columns=list(shared))
     columns = []
     for name in map(str, frame.columns):
         title, _, unit = name.rpartition(" ")  # the unit is the last word, or the end of the key
         in_title = Quantity(f"{title[:1].upper()}{title[1:]}", unit, "+.1f")
         columns.append(in_title if unit in ("K", "%") else _table_column(name, frame[name]))
     rows = frame.astype(object).where(frame.notna(), None).to_numpy().tolist()
-    verdict = json.loads((directory / SUMMARY).read_text(encoding="utf-8")).get("verdict")
-    note = "".join(f"{key.capitalize()}: {value}. " for key, value in alike.items()) + NOTE
+    verdict = read_json(directory / SUMMARY).get("verdict")
+    note = "".join(f"{key.capitalize()}: {value}. " for key, value in shared.items()) + NOTE
     note = f"{note} {tidy(verdict[:1].upper() + verdict[1:])}." if verdict else note
     caption = "Earlier models compared with the multi-layer one"
-    captions = CAPTIONS
+    captions = figure_captions("models")
     if "line_rise_K" in frame:  # of a test in a plane
         caption, note = LINE, ""
-        captions = CAPTIONS | {"comparison": f"{LINE}."}
+        captions = captions | {"comparison": f"{LINE}."}
     table = Table(caption, columns, rows, note=note)
-    found = {
-        name: ReportFigure(caption, image=file.read_bytes(), alt=caption)
+    figures = {
+        name: ReportFigure(caption, image=read_bytes(file, LARGEST_MEMBER), alt=caption)
         for name, caption in captions.items()
         if (file := directory / FIGURES / f"{name}.png").is_file()
     }
-    return table, found
+    return table, figures

@@ -1,7 +1,6 @@
 """A document as one HTML file: opens from a disk, asks no network, prints, light and dark."""
 
 import base64
-import hashlib
 import re
 from collections.abc import Mapping, Sequence
 from functools import cache
@@ -11,12 +10,12 @@ from urllib.parse import quote
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
-from markdown_it import MarkdownIt
 from markupsafe import Markup
 
 from thermobearing.border.library import data_path
 from thermobearing.quantities.tables import Table, is_number
 from thermobearing.report.figures import page_picture, picture_size, plot_json, points_each
+from thermobearing.report.markdown import sentence_reader
 from thermobearing.report.pieces import (
     BRIEF,
     LONGEST_WORD,
@@ -33,11 +32,9 @@ from thermobearing.report.pieces import (
     Signatures,
     TableBlock,
     column_letters,
+    policy_digest,
 )
 
-# Of Markdown what a sentence needs: no HTML, and no pictures, which would come from elsewhere.
-SENTENCES = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "link", "escape"])
-HEADINGS = MarkdownIt("zero", {"html": False}).enable(["emphasis", "backticks", "escape"])
 MARK = "\N{DAGGER}"
 MARKED = "Marked:"  # a note that begins so says itself what the mark means
 MARK_WORDS = "outside the calibration range"
@@ -58,6 +55,7 @@ def html_page(document: Document) -> str:
     plots = any(isinstance(b, FigureBlock) and b.figure.plot for b in document.blocks)
     scripts = [_page_file(name) for name in ("page.js", "plots.js")[: 1 + plots]]
     live = [block.script for block in document.blocks if isinstance(block, Live)]
+    # The engine of a live section is WebAssembly, which the policy must allow by its own word.
     allowed = [*map(policy_digest, [*scripts, *live]), *["'wasm-unsafe-eval'"] * bool(live)]
     page: str = _page_template().render(
         document=document,
@@ -74,27 +72,17 @@ def html_page(document: Document) -> str:
     return page
 
 
-def policy_digest(text: str) -> str:
-    """Return what the security policy of a page allows: this script or style and no other."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def page_environment(folder: str) -> Environment:
-    """Return the environment of the HTML templates in a folder of data."""
-    return Environment(
-        loader=FileSystemLoader(data_path(folder)),
+@cache
+def _page_template() -> Template:
+    environment = Environment(
+        loader=FileSystemLoader(data_path("report-page")),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-
-
-@cache
-def _page_template() -> Template:
-    made = page_environment("report-page")
-    made.filters |= {"sentence": _sentence, "breakable": _breakable}
-    return made.get_template("page.html")
+    environment.filters |= {"sentence": _sentence, "breakable": _breakable}
+    return environment.get_template("page.html")
 
 
 def _page_file(name: str) -> str:
@@ -103,7 +91,7 @@ def _page_file(name: str) -> str:
 
 def _sentence(text: str) -> Markup:
     """Return the Markdown of a sentence as HTML."""
-    return Markup(SENTENCES.renderInline(text))
+    return Markup(sentence_reader().renderInline(text))
 
 
 def _breakable(text: str) -> Markup:
@@ -142,7 +130,7 @@ class Section(NamedTuple):
 def _sections(blocks: Sequence[Block]) -> list[Section]:
     """Return the blocks in chapters, as the template reads them; tables and figures numbered."""
     plots = [b.figure.plot for b in blocks if isinstance(b, FigureBlock) and b.figure.plot]
-    most = points_each(plots)
+    line_points = points_each(plots)
     places, taken = _places(blocks), {"content", "theme", "status", "live"}
     tables, figures = count(1), count(1)
     sections = [Section(None, [], [])]
@@ -153,7 +141,7 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
             case Heading():
                 level = min(block.level, level + 1)  # no level is left out on the way down
                 name = _anchor(block.text, taken)
-                text = Markup(HEADINGS.renderInline(block.text))
+                text = Markup(sentence_reader(links=False).renderInline(block.text))
                 part = {"kind": "heading", "level": level + 1, "name": name, "text": text}
                 if level == 1:
                     sections.append(Section(part, [], []))
@@ -167,11 +155,11 @@ def _sections(blocks: Sequence[Block]) -> list[Section]:
             case TableBlock():
                 part = _table(block.table, next(tables), places)
             case FigureBlock():
-                part = _figure(block.figure, next(figures), most)
+                part = _figure(block.figure, next(figures), line_points)
             case Live():
                 part = {"kind": "live", "it": block}
             case Signatures():
-                part = {"kind": "signatures", "roles": block.roles}
+                part = {"kind": "signatures", "signers": block.signers}
         sections[-1].parts.append(part)
     return sections if sections[0].parts else sections[1:]
 
@@ -187,17 +175,17 @@ def _anchor(text: str, taken: set[str]) -> str:
 def _places(blocks: Sequence[Block]) -> dict[str, str]:
     """Return the anchors of figures and tables by their names."""
     shown = [block for block in blocks if isinstance(block, TableBlock)]
-    found = {block.name: f"table-{k}" for k, block in enumerate(shown, 1)}
+    anchors = {block.name: f"table-{k}" for k, block in enumerate(shown, 1)}
     drawn = [block for block in blocks if isinstance(block, FigureBlock)]
-    return found | {block.name: f"figure-{k}" for k, block in enumerate(drawn, 1)}
+    return anchors | {block.name: f"figure-{k}" for k, block in enumerate(drawn, 1)}
 
 
-def _figure(figure: ReportFigure, number: int, most: int) -> dict[str, Any]:
+def _figure(figure: ReportFigure, number: int, line_points: int) -> dict[str, Any]:
     part = {"kind": "figure", "number": number, "caption": figure.caption}
     part |= {"alt": figure.alt or figure.caption, "plot": "", "image": ""}
     if plot := figure.plot:
         # No sign in it that could end the element.
-        data = Markup(plot_json(plot, most).replace("<", "\\u003c"))
+        data = Markup(plot_json(plot, line_points).replace("<", "\\u003c"))
         title = plot.slider_title.capitalize() or "Place"
         part |= {"plot": data, "choices": list(plot.choices), "slider": plot.slider}
         part |= {"slider_title": title, "shaded": "; ".join(plot.shaded())}
@@ -222,7 +210,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     texts = table.texts()
     looks = _looks(table, texts)
     widths = column_letters(table, texts)
-    letters = sum(min(most, LONG) + PADDING - 1 for _, most in widths)
+    letters = sum(min(widest, LONG) + PADDING - 1 for _, widest in widths)
     least = sum(least + PADDING for least, _ in widths)
     rows = [
         [
@@ -234,18 +222,25 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     note = table.note.replace(MARKED, MARK)
     if table.marked and MARKED not in table.note:
         note = f"{MARK} {MARK_WORDS}. {note}".strip()
-    shown, rest, why = _governing_rows(table)
+    shown, folded, row_note = _governing_rows(table)
     look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     return {
-        **{"kind": "table", "name": f"table-{number}", "number": number, "key_columns": table.keys},
-        **{"caption": table.caption, "note": f"{note} {why}".strip(), "look": " ".join(look)},
-        **{"letters": letters, "least": least, "sorts": len(rows) >= FEWEST_TO_SORT},
+        "kind": "table",
+        "name": f"table-{number}",
+        "number": number,
+        "key_columns": table.keys,
+        "caption": table.caption,
+        "note": f"{note} {row_note}".strip(),
+        "look": " ".join(look),
+        "letters": letters,
+        "least": least,
+        "sorts": len(rows) >= FEWEST_TO_SORT,
         "columns": [
             {"head": column.head, "unit": column.unit, "look": look}
             for column, look in zip(table.columns, looks, strict=True)
         ],
         "rows": [rows[k] for k in shown],
-        "rest": [rows[k] for k in rest],
+        "rest": [rows[k] for k in folded],
     }
 
 
@@ -260,16 +255,17 @@ def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
 
     def _rank(row: int) -> tuple[bool, float]:
         value = 0.0 if place is None else table.rows[row][place]
-        known = is_number(value) and np.isfinite(value)
-        return row not in marked, -abs(float(value)) if known else np.inf
+        finite = is_number(value) and np.isfinite(value)
+        return row not in marked, -abs(float(value)) if finite else np.inf
 
     order = sorted(range(total), key=_rank)
-    why = f"The first {MOST_ROWS} of {total} rows are open"
+    clauses = [f"The first {MOST_ROWS} of {total} rows are open"]
     if marked:
-        why += ", those with marked cells first"
+        clauses.append("those with marked cells first")
     if place is not None:
-        why += f", ordered by {table.columns[place].head}, largest first"
-    return order[:MOST_ROWS], sorted(order[MOST_ROWS:]), f"{why}."
+        clauses.append(f"ordered by {table.columns[place].head}, largest first")
+    # The folded rows keep the order of the table: a reader looks there for one run.
+    return order[:MOST_ROWS], sorted(order[MOST_ROWS:]), f"{', '.join(clauses)}."
 
 
 def _cell(value: Any, text: str, look: str, places: Mapping[str, str], marked: bool) -> Cell:
@@ -288,7 +284,11 @@ def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:
     looks = []
     for place, column in enumerate(table.columns):
         longest = max((len(row[place]) for row in texts), default=0)
-        size = " long" if longest > LONG else " brief" if longest < BRIEF else ""
+        size = ""
+        if longest > LONG:
+            size = " long"
+        elif longest < BRIEF:
+            size = " brief"
         words = "words verdict" if column.head == "Verdict" else f"words{size}"
         looks.append("amount" if place in numbers else words)
     return looks

@@ -10,19 +10,19 @@ import math
 import re
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import UTC, date, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 from unicodedata import category
 
-from markdown_it import MarkdownIt
-
 from thermobearing.border.errors import HIDDEN, InputError, printable
 from thermobearing.border.library import data_path
+from thermobearing.border.title import logo_kind
 from thermobearing.quantities.tables import Table
 from thermobearing.report.figures import drawn, picture_size
+from thermobearing.report.markdown import Data, check_packages, split_runs
 from thermobearing.report.pieces import (
     Block,
     Bullets,
@@ -35,7 +35,6 @@ from thermobearing.report.pieces import (
     TableBlock,
     column_letters,
 )
-from thermobearing.report.title import logo_kind
 from thermobearing.results.drawing import missing_letters
 
 SOURCE = "report.typ"
@@ -45,8 +44,6 @@ NO_DATE = date(1980, 1, 1)  # of a document that nobody dated: PDF/A wants one
 DATED = re.compile(r"\d{4}-\d{2}-\d{2}")
 UNDRAWN = re.compile(r'the text `"(.+?)"` could not be displayed')
 SEAM = "\N{ZERO WIDTH SPACE}"  # where a long word may be broken
-MARKDOWN = MarkdownIt("zero").enable(["emphasis", "backticks", "link", "escape"])
-Data = dict[str, Any]
 
 
 def pdf_bytes(document: Document) -> bytes:
@@ -54,16 +51,18 @@ def pdf_bytes(document: Document) -> bytes:
     the_compiler()  # before anything is drawn
     document = drawn(document)
     letters = _letters(document)
+    # First with the fonts of the compiler alone; only letters that they lack are looked for in the
+    # fonts of the machine.
     foreign = _undrawn(letters, system_fonts=False)
     missing = _undrawn(foreign, system_fonts=True) if foreign else foreign
-    spoken = document
+    annotated = document
     if missing:
         note = Paragraph(missing_letters(missing, "its text"), "warning")
-        spoken = replace(document, blocks=[note, *document.blocks])
+        annotated = replace(document, blocks=[note, *document.blocks])
     day = _document_date(document)
     with tempfile.TemporaryDirectory(prefix="thermobearing-") as name:
         folder = Path(name)
-        content = _laid_out(spoken, folder) | {"date": [day.year, day.month, day.day]}
+        content = _laid_out(annotated, folder) | {"date": [day.year, day.month, day.day]}
         text = json.dumps(_each_text(content, lambda text: _speakable(text, missing)))
         (folder / "document.json").write_text(text, encoding="utf-8")
         (folder / SOURCE).write_bytes(data_path("reports", SOURCE).read_bytes())
@@ -72,7 +71,8 @@ def pdf_bytes(document: Document) -> bytes:
 
 
 def the_compiler() -> Any:
-    """Return the typst compiler."""
+    """Return the typst compiler; InputError where it or another package is not installed."""
+    check_packages()
     try:
         import typst
 
@@ -105,12 +105,12 @@ def _compiled(source: Path, day: date, *, system_fonts: bool) -> bytes:
 
 def _document_date(document: Document) -> date:
     """Return the day of the title block, else of the run; never that of the making."""
-    said = [document.block.get("Date", "")]
-    said += [text for key, text in document.identity.items() if "date" in key.lower()]
-    for text in said:
-        if found := DATED.search(text):
+    texts = [document.block.get("Date", "")]
+    texts += [text for key, text in document.identity.items() if "date" in key.lower()]
+    for text in texts:
+        if match := DATED.search(text):
             try:
-                return date.fromisoformat(found[0])
+                return date.fromisoformat(match[0])
             except ValueError:
                 continue
     return NO_DATE
@@ -127,9 +127,9 @@ def _speakable(text: str, missing: set[str]) -> str:
 
 def _letters(document: Document) -> set[str]:
     """Return the letters of a document that are not plain ones."""
-    found: set[str] = set()
-    _each_text(_laid_out(document, None), lambda text: found.update(text) or text)  # type: ignore[func-returns-value]
-    return {m for m in found if not (m.isascii() or m.isspace() or category(m) in HIDDEN)}
+    letters: set[str] = set()
+    _each_text(_laid_out(document, None), lambda text: letters.update(text) or text)  # type: ignore[func-returns-value]
+    return {m for m in letters if not (m.isascii() or m.isspace() or category(m) in HIDDEN)}
 
 
 def _undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
@@ -137,17 +137,19 @@ def _undrawn(letters: set[str], *, system_fonts: bool) -> set[str]:
     # Letters for private use, or of no use yet, mean nothing in an archive whatever the font.
     missing = {mark for mark in letters if category(mark) in ("Co", "Cn")}
     typst = the_compiler()
-    while left := sorted(letters - missing):
-        quoted = json.dumps(" ".join(left), ensure_ascii=False)
+    # The compiler names the missing letters of one text at a time: repeat without them until it
+    # accepts the rest.
+    while remaining := sorted(letters - missing):
+        quoted = json.dumps(" ".join(remaining), ensure_ascii=False)
         source = f'#set document(title: "x")\n#text(font: "Libertinus Serif", {quoted})'
         look = {"format": "pdf", "pdf_standards": ["ua-1"], "ignore_system_fonts": not system_fonts}
         try:
             typst.compile(source.encode(), **look)
         except typst.TypstError as error:
-            found = set("".join(UNDRAWN.findall(error.diagnostic))) & set(left)
-            if not found:
+            undrawn = set("".join(UNDRAWN.findall(error.diagnostic))) & set(remaining)
+            if not undrawn:
                 return letters
-            missing |= found
+            missing |= undrawn
         else:
             break
     return missing
@@ -215,25 +217,8 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
         case FigureBlock():
             return _figure(block.figure, name, folder)
         case Signatures():
-            return [{"kind": "signatures", "roles": list(block.roles)}]
+            return [{"kind": "signatures", "signers": [asdict(s) for s in block.signers]}]
     raise AssertionError(block)
-
-
-def split_runs(text: str) -> list[Data]:
-    """Return the runs of a line of Markdown: letters that look alike."""
-    found: list[Data] = []
-    bold, italic, address = 0, 0, ""
-    for block in MARKDOWN.parseInline(text):
-        for token in block.children or []:
-            bold += token.nesting if token.tag == "strong" else 0
-            italic += token.nesting if token.tag == "em" else 0
-            words = " " if token.type in ("softbreak", "hardbreak") else token.content
-            if token.tag == "a":
-                address = str(token.attrs["href"]) if token.nesting > 0 else ""
-            elif words:
-                look = {"bold": bold > 0, "italic": italic > 0, "address": address}
-                found.append({"text": words, "code": token.type == "code_inline", **look})
-    return found
 
 
 def _figure(figure: ReportFigure, name: str, folder: Path | None) -> list[Data]:
@@ -258,19 +243,31 @@ def _picture_file(image: bytes, name: str, folder: Path | None) -> str:
 
 
 def _turned_together(blocks: Sequence[Data]) -> list[Data]:
-    """Return blocks with those of turned pages in groups, and the headings that belong to them."""
-    found: list[Data] = []
-    for block in blocks:
-        if not block.get("turned"):
-            found.append(block)
-            continue
+    """Return blocks with turned ones after the upright text and tables that follow them.
+
+    So no page before a turned one stays empty. They stay before the next heading or figure; the
+    headings with nothing upright below them move along.
+    """
+    arranged: list[Data] = []
+    turned: list[Data] = []
+
+    def _put() -> None:
+        if not turned:
+            return
         headings: list[Data] = []
-        while found and found[-1]["kind"] == "heading":
-            headings.insert(0, found.pop())
-        if not (found and found[-1]["kind"] == "turned"):
-            found.append({"kind": "turned", "blocks": []})
-        found[-1]["blocks"] += [*headings, block]
-    return found
+        while arranged and arranged[-1]["kind"] == "heading":
+            headings.insert(0, arranged.pop())
+        if not (arranged and arranged[-1]["kind"] == "turned"):
+            arranged.append({"kind": "turned", "blocks": []})
+        arranged[-1]["blocks"] += [*headings, *turned]
+        turned.clear()
+
+    for block in blocks:
+        if block["kind"] in ("heading", "figure"):
+            _put()
+        (turned if block.get("turned") else arranged).append(block)
+    _put()
+    return arranged
 
 
 # Tables: as large as fits, upright or turned, and in parts where even a turned page is too small.
@@ -295,10 +292,11 @@ class Part(NamedTuple):
         room = self.widths[self.places.index(column)] - GAP
         count = max(3, int(room / (LETTER * POINT * self.size) + ROUNDING))
 
-        def _seamed(found: re.Match[str]) -> str:
-            word = found[0]
+        def _seamed(match: re.Match[str]) -> str:
+            word = match[0]
             if len(word) <= count:
                 return word
+            # After signs such as "/" and "_" first; what is still too long, anywhere.
             parts = re.findall(r"[^/\\_.,;:=-]*[/\\_.,;:=-]?", word)
             return SEAM.join(p[k : k + count] for p in parts for k in range(0, len(p), count))
 
@@ -311,7 +309,7 @@ def _table(table: Table) -> list[Data]:
     numbers = table.numeric()
     parts = _fitted(column_letters(table, cells), table.keys)
     note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
-    found = []
+    blocks = []
     for number, part in enumerate(parts, 1):
         marked = [
             [row, part.places.index(k)] for row, k in sorted(table.marked) if k in part.places
@@ -319,7 +317,7 @@ def _table(table: Table) -> list[Data]:
         rows = [
             [r[k] if k in numbers else part.broken(r[k], k) for k in part.places] for r in cells
         ]
-        found.append(
+        blocks.append(
             {
                 "kind": "table",
                 "caption": table.caption + f" ({number} of {len(parts)})" * (len(parts) > 1),
@@ -329,15 +327,17 @@ def _table(table: Table) -> list[Data]:
                 "right": [k in numbers for k in part.places],
                 "marked": marked,
                 "verdicts": columns[part.places[-1]].head == "Verdict",
-                **{"widths": part.widths, "size": part.size, "turned": part.turned},
+                "widths": part.widths,
+                "size": part.size,
+                "turned": part.turned,
             }
         )
-    return found
+    return blocks
 
 
 def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
     """Return columns in parts that fit a page, as large as can be."""
-    every = list(range(len(letters)))
+    all_places = list(range(len(letters)))
 
     def _total(places: Sequence[int], size: float) -> float:
         return sum(letters[k][0] * LETTER * POINT * size + GAP for k in places)
@@ -348,19 +348,23 @@ def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
         wanted = sum(letters[k][1] - letters[k][0] for k in places) * letter
         share = min(1.0, left / wanted) if wanted > 0.0 else 0.0
         ends = [letters[k] for k in places]
-        widths = [(least + share * (most - least)) * letter + GAP for least, most in ends]
+        widths = [(least + share * (preferred - least)) * letter + GAP for least, preferred in ends]
+        # Rounded down: the sum of rounded widths must not exceed the page.
         widths = [math.floor(100.0 * width) / 100.0 for width in widths]
         return Part(places, widths, size, room == TURNED[0])
 
+    # Upright at the largest size of letters that fits, then turned, then in parts.
     for room, sizes in ((UPRIGHT[0], SIZES), (TURNED[0], TURNED_SIZES)):
         for size in sizes:
-            if _total(every, size) <= room:
-                return [_part(every, room, size)]
-    first = every[: min(keys, len(letters) - 1)]
-    groups = [[*first]]
-    for column in every[len(first) :]:
-        full = _total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
-        if full and len(groups[-1]) > len(first):
-            groups.append([*first])
+            if _total(all_places, size) <= room:
+                return [_part(all_places, room, size)]
+    key_places = all_places[: min(keys, len(letters) - 1)]
+    # Each part repeats the key columns, without which its rows could not be read, and has one more
+    # column at least, however wide.
+    groups = [[*key_places]]
+    for column in all_places[len(key_places) :]:
+        is_full = _total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
+        if is_full and len(groups[-1]) > len(key_places):
+            groups.append([*key_places])
         groups[-1].append(column)
     return [_part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]

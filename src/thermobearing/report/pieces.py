@@ -1,12 +1,14 @@
 """What a document is made of: texts, tables, figures, checks. Plain data, no layout."""
 
+import base64
+import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thermobearing.quantities.register import Quantity, format_number
+from thermobearing.quantities.register import MINUS, Quantity, format_number
 from thermobearing.quantities.tables import Table
 
 if TYPE_CHECKING:
@@ -26,9 +28,9 @@ class Link(str):
 
     def __new__(cls, words: str, to: str) -> "Link":
         """Return the words; `to` is the name of the figure or table in the document."""
-        made = super().__new__(cls, words)
-        made.to = to
-        return made
+        link = super().__new__(cls, words)
+        link.to = to
+        return link
 
 
 LONGEST_WORD, BRIEF = 24, 15  # letters of a word that is not broken, of a text that stays on a line
@@ -45,7 +47,7 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
     How large the letters of a table are on a screen and on paper follows from it. Numbers and brief
     texts are not wrapped.
     """
-    numbers, found = table.numeric(), []
+    numbers, letters = table.numeric(), []
     for place, column in enumerate(table.columns):
         cells = [row[place] for row in texts]
         head = [_count(word) for word in column.head.split()] + [_count(column.unit) + 2]
@@ -54,9 +56,10 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
             for cell in cells
             for word in ([cell] if place in numbers or len(cell) < BRIEF else cell.split())
         ]
+        # A column is never narrower than its head, nor than its longest word (up to LONGEST_WORD).
         least = max([*head, *(min(_count(word), LONGEST_WORD) for word in words)])
-        found.append((least, max([least, _count(column.head), *map(_count, cells)])))
-    return found
+        letters.append((least, max([least, _count(column.head), *map(_count, cells)])))
+    return letters
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,8 @@ class Plot:
 
     `choices` are traces by the words of a menu (one entry: no menu), `slider` the words of each of
     its places, such as "12.5 s", and `slider_title` what it moves through. `equal` is the same
-    scale on both axes; `bands` on the x axis are shaded as outside the tested range.
+    scale on both axes; `bands` on the x axis are shaded as outside the tested range. `titles` are
+    those of the axes of menu entries whose quantities or units differ from `x_title`, `y_title`.
     """
 
     x_title: str
@@ -93,6 +97,11 @@ class Plot:
     slider_title: str = ""
     equal: bool = False
     bands: Sequence[tuple[float, float, str]] = ()
+    titles: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+
+    def axis_titles(self, choice: str) -> tuple[str, str]:
+        """Return the titles of the x and y axis of a menu entry."""
+        return self.titles.get(choice, (self.x_title, self.y_title))
 
     def shaded(self) -> list[str]:
         """Return the words of the bands that the lines reach, each once."""
@@ -126,7 +135,9 @@ class ReportFigure:
 class Check:
     """A number compared with its limit, both in `unit`; a NaN limit is not assessed.
 
-    `what` has the run or place that decides; `lower` says that the limit is a lower one.
+    `what` has the run or place that decides, `limited` says what the limit is of, without these;
+    `lower` says that the limit is a lower one, and `of_tests` that it is an end of the calibration
+    range and no engineering limit; `runs` are those that pass such an end.
     """
 
     what: str
@@ -136,6 +147,19 @@ class Check:
     source: str
     verdict: str
     lower: bool = False
+    of_tests: bool = False
+    limited: str = ""
+    runs: frozenset[str] = frozenset()
+
+    @property
+    def without_limit(self) -> bool:
+        """Whether there is a value, but no limit of it."""
+        return np.isnan(self.limit) and not np.isnan(self.value)
+
+    @property
+    def outside_by(self) -> float:
+        """Return how far the value lies beyond its limit, in `unit`; negative within it."""
+        return self.limit - self.value if self.lower else self.value - self.limit
 
 
 def checks_table(
@@ -153,16 +177,54 @@ def checks_table(
     return Table(caption, columns, rows, marked=marked)
 
 
+def not_entered(checks: Sequence[Check]) -> str:
+    """Return the limits that no office has entered as one sentence, with their largest values."""
+    largest: dict[str, Check] = {}
+    for check in checks:
+        if check.without_limit:
+            name = check.limited or check.what
+            previous = largest.get(name)
+            if previous is None or abs(check.value) > abs(previous.value):
+                largest[name] = check
+    if not largest:
+        return ""
+    values = []
+    for name, check in largest.items():
+        value = f"{format_number(check.value, '.3g')} {check.unit}".strip()
+        values.append(f"{name} ({value})")
+    count_words = f"{len(values)} limits are" if len(values) > 1 else "1 limit is"
+    return f"{count_words} not entered: {'; '.join(values)}."
+
+
+def calibration_table(checks: Sequence[Check]) -> Table:
+    """Return what lies outside the calibration range, and by how much, the farthest first."""
+    outside = [check for check in checks if check.of_tests and check.verdict == EXCEEDED]
+    # Relative to the limit, so that strains [%] and temperatures can be compared.
+    outside.sort(key=lambda check: -check.outside_by / (abs(check.limit) or 1.0))
+    rows = [
+        (check.what, *_value_and_limit(check), float(f"{check.outside_by:.3g}"), check.unit)
+        for check in outside
+    ]
+    columns = [Quantity(head, form=".6g") for head in ("Quantity", "Value", "Tested", "Outside by")]
+    return Table("Outside the calibration range", [*columns, Quantity("Unit")], rows)
+
+
 def _value_and_limit(check: Check) -> tuple[float, str]:
     """Return both with three significant digits; with more where they would look the same."""
     if not np.isfinite(check.limit):
         return float(f"{check.value:.3g}"), "none"
     sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
     for form in (".3g", ".4g", ".6g"):
-        value, limit = format(check.value, form), format_number(check.limit, form)
-        if float(value) != float(format(check.limit, form)) or check.value == check.limit:
+        value, limit = format_number(check.value, form), format_number(check.limit, form)
+        if value != limit or check.value == check.limit:
             break
-    return float(value), f"{sign} {limit}"
+    # From 1000 on, `format_number` keeps all digits before the point: 1765, as entered.
+    return float(value.replace(MINUS, "-")), f"{sign} {limit}"
+
+
+def policy_digest(text: str) -> str:
+    """Return what the security policy of a page allows: this script or style and no other."""
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
 @dataclass(frozen=True)
@@ -188,7 +250,8 @@ class Pieces:
     `figures` are by name. `validity` holds sentences on what left the range that the parameters
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
     warning. `books` is the energy balance; `identity` has version, input hash and command; `live`
-    computes the result again in an HTML page; `signatures` are the roles of those who sign.
+    computes the result again in an HTML page; `signatures` are the roles of those who sign, and
+    `one_page` whether the document is to fit on one; `files` stand next to the document, by name.
     """
 
     command: str
@@ -208,6 +271,8 @@ class Pieces:
     identity: Mapping[str, str] = field(default_factory=dict)
     live: Live | None = None
     signatures: Sequence[str] = ()
+    one_page: bool = False
+    files: Mapping[str, bytes] = field(default_factory=dict)
 
 
 # Blocks of a document, in reading order. Text is Markdown of the template's own sentences:
@@ -253,10 +318,19 @@ class FigureBlock:
 
 
 @dataclass(frozen=True)
+class Signer:
+    """Who signs: the role, with name and date where the title block has them."""
+
+    role: str
+    name: str = ""
+    date: str = ""
+
+
+@dataclass(frozen=True)
 class Signatures:
     """A place for the name, the date and the signature of each role."""
 
-    roles: Sequence[str]
+    signers: Sequence[Signer]
 
 
 Block = Heading | Paragraph | Bullets | TableBlock | FigureBlock | Live | Signatures

@@ -21,13 +21,14 @@ from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import data_path
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.content import TESTED_RANGE
+from thermobearing.report.content import PREPARED, TESTED_RANGE, summarize_checks
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_ASSESSED,
     PASSED,
     Block,
     Bullets,
+    Check,
     Document,
     FigureBlock,
     Heading,
@@ -35,9 +36,13 @@ from thermobearing.report.pieces import (
     Paragraph,
     Pieces,
     Signatures,
+    Signer,
     TableBlock,
+    calibration_table,
     checks_table,
+    not_entered,
 )
+from thermobearing.results.ranges import BEYOND_TESTS
 from thermobearing.tables.text import read_text
 
 PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
@@ -50,8 +55,10 @@ ACTIONS = {  # what to do about a check, by its verdict and the beginning of the
     f"{EXCEEDED} rig": "Reduce the amplitude or the speed of the test, or choose another rig.",
     EXCEEDED: "Change the bearing or the structure until no limit is exceeded.",
     f"{NOT_ASSESSED} needs": "Repeat the analysis with the inputs that missing values need.",
-    NOT_ASSESSED: "Compare values without a limit with the limits of your design code.",
+    NOT_ASSESSED: "Compare values without a limit with your design code; of a bridge, enter its "
+    "limits (`thermobearing limits new`).",
 }
+AUTHOR = "Author"  # of the title block
 SEVERITY = (EXCEEDED, NOT_ASSESSED, PASSED)
 
 
@@ -62,9 +69,21 @@ def document(
     template: str | Path | None = None,
 ) -> Document:
     """Return the document of a result, ready to be written in any format."""
-    blocks = _arranged(pieces, template)
-    close = bool(pieces.signatures)  # what is signed is one page
-    return Document(pieces.title, block, logo, blocks, pieces.identity, close)
+    blocks = [_named(part, block) for part in _arranged(pieces, template)]
+    return Document(pieces.title, block, logo, blocks, pieces.identity, pieces.one_page)
+
+
+def _named(part: Block, title: Mapping[str, str]) -> Block:
+    """Return a block; of signatures with the names and the date of the title block."""
+    if not isinstance(part, Signatures):
+        return part
+    signers = []
+    for signer in part.signers:
+        name = title.get(AUTHOR if signer.role == PREPARED else signer.role, "")
+        # The date of the document is that of its author; others sign later.
+        date = title.get("Date", "") if name and signer.role == PREPARED else ""
+        signers.append(replace(signer, name=name, date=date))
+    return Signatures(signers)
 
 
 def on_paper(document: Document) -> Document:
@@ -75,15 +94,18 @@ def on_paper(document: Document) -> Document:
 
 def _arranged(pieces: Pieces, path: str | Path | None = None) -> list[Block]:
     """Return the pieces of a result in the order of a template, of the package if none is given."""
-    own = data_path("reports", f"{pieces.command}.md")
-    file = Path(path or (own if own.is_file() else data_path("reports", "any.md")))
+    command_template = data_path("reports", f"{pieces.command}.md")
+    file = Path(
+        path or (command_template if command_template.is_file() else data_path("reports", "any.md"))
+    )
     blocks: list[Block] = []
     faults: list[str] = []
     text = read_text(file)
-    called = {(m[1], m[2]) for m in PLACEHOLDER.finditer(text) if m[2]}
+    # {{ tables }} and {{ figures }} leave out what the template names anywhere, also further below.
+    named = {(m[1], m[2]) for m in PLACEHOLDER.finditer(text) if m[2]}
     for number, line in enumerate(text.splitlines(), 1):
         try:
-            blocks += _blocks_of_line(line.strip(), pieces, called)
+            blocks += _blocks_of_line(line.strip(), pieces, named)
         except InputError as error:
             faults.append(f"line {number}: {error}")
     if faults:
@@ -109,58 +131,77 @@ def _blocks_of_line(line: str, pieces: Pieces, called: set[tuple[str, str]]) -> 
     if kind not in ("table", "figure") or (name is None and word == kind):
         if name:
             raise InputError(f'no placeholder "{word} {name}": it is table NAME or figure NAME')
-        known = [*SECTIONS, "tables", "figures", "table NAME", "figure NAME"]
-        raise InputError(f'no placeholder "{word}"{_nearest(word, known)}')
-    found: dict[str, Block] = (
+        placeholders = [*SECTIONS, "tables", "figures", "table NAME", "figure NAME"]
+        raise InputError(f'no placeholder "{word}"{_nearest(word, placeholders)}')
+    named_blocks: dict[str, Block] = (
         {key: TableBlock(key, table) for key, table in pieces.tables.items()}
         if kind == "table"
         else {key: FigureBlock(key, figure) for key, figure in pieces.figures.items()}
     )
     if name is None:
-        return [block for key, block in found.items() if (kind, key) not in called]
-    if name not in found and not optional:
+        return [block for key, block in named_blocks.items() if (kind, key) not in called]
+    if name not in named_blocks and not optional:
         raise InputError(
-            f'this result has no {word} "{name}"{_nearest(name, found)}; '
+            f'this result has no {word} "{name}"{_nearest(name, named_blocks)}; '
             f'write "{name}?" where it may be missing'
         )
-    return [found[name]] if name in found else []
+    return [named_blocks[name]] if name in named_blocks else []
 
 
-def _nearest(name: str, known: Mapping[str, object] | Sequence[str]) -> str:
+def _nearest(name: str, choices: Mapping[str, object] | Sequence[str]) -> str:
     """Return what was perhaps meant, and what there is."""
-    return f"{closest(name, known)} (there is: {', '.join(known) or 'none'})"
+    return f"{closest(name, choices)} (there is: {', '.join(choices) or 'none'})"
 
 
 def _validity(pieces: Pieces) -> list[Block]:
     notes = _listed(pieces.notes)
-    found: Block = Paragraph(f"{'Except for the following, a' if notes else 'A'}{ALL_VALID}")
+    verdict: Block = Paragraph(f"{'Except for the following, a' if notes else 'A'}{ALL_VALID}")
     if pieces.validity_unknown:
-        found = Paragraph(pieces.validity_unknown, "warning")
+        verdict = Paragraph(pieces.validity_unknown, "warning")
     elif pieces.validity:
-        return [Paragraph(EXTRAPOLATED), Bullets(pieces.validity, "warning"), *notes]
-    return [found, *notes]
+        table, sentences = calibration_table(pieces.checks), pieces.validity
+        if table.rows:  # it has what the sentences on ends of the range say
+            sentences = [text for text in sentences if BEYOND_TESTS not in text]
+        tables = [TableBlock("outside", table)] if table.rows else []
+        return [Paragraph(EXTRAPOLATED), *tables, *_listed(sentences, "warning"), *notes]
+    return [verdict, *notes]
+
+
+def _engineering(pieces: Pieces) -> list[Check]:
+    """Return the checks of engineering limits by severity."""
+    checks = [check for check in pieces.checks if not check.of_tests]
+    return sorted(checks, key=lambda check: SEVERITY.index(check.verdict))
 
 
 def _checks(pieces: Pieces) -> list[Block]:
-    """Return the checks by severity."""
-    ranked = sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
-    return [TableBlock("checks", checks_table(ranked))] if ranked else []
+    """Return how many checks fail, the engineering limits by severity, and those not entered."""
+    checks = _engineering(pieces)
+    if not checks:
+        return []
+    limited = [check for check in checks if not check.without_limit]
+    blocks: list[Block] = [Paragraph(summarize_checks(pieces.checks))]
+    if limited:
+        blocks.append(TableBlock("checks", checks_table(limited, "Engineering limits")))
+    # Checks without a limit have no verdict, and a sentence in place of rows.
+    unentered = not_entered(checks)
+    return [*blocks, Paragraph(""), Paragraph(unentered)] if unentered else blocks
 
 
 def _exceeded(pieces: Pieces) -> list[Block]:
-    """Return the checks that are exceeded."""
-    failed = [check for check in pieces.checks if check.verdict == EXCEEDED]
-    return [TableBlock("exceeded", checks_table(failed, "Exceeded limits"))] if failed else []
+    """Return the engineering limits that are exceeded."""
+    failed = [check for check in _engineering(pieces) if check.verdict == EXCEEDED]
+    table = checks_table(failed, "Exceeded engineering limits")
+    return [TableBlock("exceeded", table)] if failed else []
 
 
 def _actions(pieces: Pieces) -> list[Block]:
     """Return what to do about exceeded limits and unknown ones."""
-    found = dict.fromkeys(
+    actions = dict.fromkeys(
         next(text for start, text in ACTIONS.items() if f"{c.verdict} {c.source}".startswith(start))
         for c in sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
         if c.verdict != PASSED
     )
-    return [Paragraph("**Recommended actions**"), Bullets(list(found))] if found else []
+    return [Paragraph("**Recommended actions**"), Bullets(list(actions))] if actions else []
 
 
 def _identity(pieces: Pieces) -> list[Block]:
@@ -186,35 +227,38 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "warnings": lambda pieces: _listed(pieces.warnings, "warning"),
     "identity": _identity,
     "live": lambda pieces: [pieces.live] if pieces.live else [],
-    "signatures": lambda pieces: [Signatures(pieces.signatures)] if pieces.signatures else [],
+    "signatures": lambda pieces: (
+        [Signatures([Signer(role) for role in pieces.signatures])] if pieces.signatures else []
+    ),
 }
 
 
 def _joined(blocks: Sequence[Block]) -> list[Block]:
     """Return lines of one paragraph, and items of one list, put together; without empty lines."""
-    found: list[Block] = []
-    parted = True
+    merged: list[Block] = []
+    separated = True
     for block in blocks:
         if isinstance(block, Paragraph) and not block.text:
-            parted = True
+            separated = True
             continue
-        last = found[-1] if found and not parted else None
+        last = merged[-1] if merged and not separated else None
         if isinstance(block, Paragraph) and isinstance(last, Paragraph) and not block.kind:
-            found[-1] = Paragraph(f"{last.text} {block.text}", last.kind)
+            merged[-1] = Paragraph(f"{last.text} {block.text}", last.kind)
         elif isinstance(block, Bullets) and isinstance(last, Bullets) and last.kind == block.kind:
-            found[-1] = Bullets([*last.items, *block.items], block.kind)
+            merged[-1] = Bullets([*last.items, *block.items], block.kind)
         else:
-            found.append(block)
-        parted = isinstance(block, Heading)
-    return found
+            merged.append(block)
+        separated = isinstance(block, Heading)
+    return merged
 
 
 def _without_empty_headings(blocks: Sequence[Block]) -> list[Block]:
     """Return the blocks without headings that have nothing under them."""
-    found: list[Block] = []
+    kept: list[Block] = []
+    # From the end: whether a heading is empty depends on the blocks below it that stay.
     for block in reversed(blocks):
-        below = found[-1] if found else Heading(1, "")
+        below = kept[-1] if kept else Heading(1, "")
         if isinstance(block, Heading) and isinstance(below, Heading) and below.level <= block.level:
             continue
-        found.append(block)
-    return found[::-1]
+        kept.append(block)
+    return kept[::-1]

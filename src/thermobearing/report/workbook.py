@@ -16,11 +16,12 @@ import numpy as np
 from thermobearing.border.errors import InputError, printable
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, is_number
-from thermobearing.report.pdf import split_runs
+from thermobearing.report.markdown import check_packages, split_runs
 from thermobearing.report.pieces import Pieces, checks_table
 
 ROWS, COLUMNS, NAME, LETTERS = 1_048_576, 16_384, 31, 32_767  # what a sheet can hold
-MOST_HISTORY_ROWS = 20_000  # of all histories together: what opens quickly
+# Of all histories together: what opens quickly, and what can be sent by mail (about 3 MB).
+MOST_HISTORY_ROWS, MOST_HISTORY_CELLS = 20_000, 300_000
 FORMATTED = 5_000  # rows of a sheet up to which every number has its own format
 STAMP = (1980, 1, 1, 0, 0, 0)  # of every part of the file: the same bytes for the same result
 MARKED, HEAD = "F6DEDE", "E8ECF1"  # fills
@@ -66,7 +67,8 @@ def sheets_bytes(tables: Mapping[str, Table]) -> bytes:
 
 
 def the_writer() -> Any:
-    """Return what makes a workbook."""
+    """Return what makes a workbook; InputError where a package is not installed."""
+    check_packages()
     try:
         from openpyxl import Workbook
     except ImportError:
@@ -83,7 +85,7 @@ def _front(pieces: Pieces) -> Table:
         "Warning": pieces.warnings,
         "Assumption": pieces.assumptions,
     }
-    rows = [(word, _plain(text)) for word, said in texts.items() for text in said if text]
+    rows = [(word, _plain(text)) for word, sentences in texts.items() for text in sentences if text]
     return Table(
         pieces.title, [Quantity("What"), Quantity("Text")], [*rows, *pieces.identity.items()]
     )
@@ -104,20 +106,26 @@ def _part(table: Table, first: int) -> Table:
 def _history_tables(histories: Mapping[str, History]) -> dict[str, Table]:
     """Return histories of runs that have the same columns below each other, as a table each."""
     total = sum(len(history.values) for history in histories.values())
-    every = max(1, -(-total // MOST_HISTORY_ROWS))
-    note = f"One of every {every} samples of the result." if every > 1 else ""
+    cells = sum(np.size(history.values) for history in histories.values())
+    stride = max(1, -(-total // MOST_HISTORY_ROWS), -(-cells // MOST_HISTORY_CELLS))
+    note = f"One of every {stride} samples of the result." if stride > 1 else ""
+    # Runs of bearings with other layers, or without lead, have other columns: a table of their own.
     groups: dict[tuple[str, ...], list[History]] = {}
     for history in histories.values():
         heads = (*history.keys, *(column.title for column in history.columns))
         groups.setdefault(heads, []).append(history)
-    found = {}
+    tables = {}
     for number, group in enumerate(groups.values(), 1):
         keys = list(map(Quantity, group[0].keys))
-        rows = [(*one.keys.values(), *row) for one in group for row in one.values[::every].tolist()]
+        rows = [
+            (*run_history.keys.values(), *row)
+            for run_history in group
+            for row in run_history.values[::stride].tolist()
+        ]
         name = f"Histories {number}" if len(groups) > 1 else "Histories"
         columns = [*keys, *group[0].columns]
-        found[name] = Table("Histories", columns, rows, len(keys) + 1, note=note)
-    return found
+        tables[name] = Table("Histories", columns, rows, len(keys) + 1, note=note)
+    return tables
 
 
 def _add_sheet(book: Any, name: str, table: Table, names: set[str]) -> None:
@@ -190,11 +198,12 @@ def _number(value: Any) -> Any:
 
 def _format(value: Any, form: str) -> str:
     """Return Excel's format of a number from Python's; "" where it may choose itself."""
-    found = re.fullmatch(r",?\.(\d)([fg])", form)
-    if not found or not is_number(value) or not np.isfinite(value):
+    match = re.fullmatch(r",?\.(\d)([fg])", form)
+    if not match or not is_number(value) or not np.isfinite(value):
         return ""
-    digits = int(found[1])
-    if found[2] == "g":
+    digits = int(match[1])
+    if match[2] == "g":
+        # Excel has no format of significant digits: decimals follow from the size of the number.
         size = math.floor(math.log10(abs(value))) if value else 0
         if not -4 <= size <= 9:
             return f"0.{'0' * max(digits - 1, 1)}E+00"
@@ -204,17 +213,18 @@ def _format(value: Any, form: str) -> str:
 
 def _restamped(raw: bytes) -> bytes:
     """Return a workbook without the time of its making."""
-    made = io.BytesIO()
+    buffer = io.BytesIO()
     with (
-        zipfile.ZipFile(io.BytesIO(raw)) as old,
-        zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as new,
+        zipfile.ZipFile(io.BytesIO(raw)) as source,
+        zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as target,
     ):
-        for name in old.namelist():
-            part = old.read(name)
+        # openpyxl stamps each part, and the properties of the document, with the time of writing.
+        for name in source.namelist():
+            part = source.read(name)
             if name == "docProps/core.xml":
                 part = CREATED.sub(b"", part)
             entry = zipfile.ZipInfo(name, STAMP)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o600 << 16
-            new.writestr(entry, part)
-    return made.getvalue()
+            target.writestr(entry, part)
+    return buffer.getvalue()

@@ -8,7 +8,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, ClassVar
 
-from thermobearing.border.keywords import checked_keywords
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.lazy import pd, xr
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
@@ -20,6 +21,7 @@ from thermobearing.results.writing import from_attribute, write_csv, write_summa
 COMPLETED = "completed"
 
 
+@checked
 class Result:
     """Base class of all results.
 
@@ -98,7 +100,7 @@ class Result:
         """Figures of the result, each a matplotlib Figure."""
         return getattr(self._view("figures"), self._figures)(self)
 
-    @checked_keywords
+    @checked
     def save(
         self,
         directory: str | Path,
@@ -152,7 +154,10 @@ class Result:
 
     def report(self, directory: str | Path, **options: Any) -> list[Path]:
         """Write report.html and report.pdf; see `thermobearing.make_report`."""
-        make_report = import_module("thermobearing.reporting").make_report
+        # By its public name, which the package registers: no result imports what is above it.
+        import thermobearing
+
+        make_report: Any = thermobearing.make_report
         return list(make_report(directory if self._report_of_files else self, directory, **options))
 
     def _view(self, name: str) -> Any:
@@ -160,26 +165,40 @@ class Result:
         return import_module(f"{type(self).__module__.rpartition('.')[0]}.{name}")
 
 
+@checked
 class DatasetResult(Result):
     """A result stored as one labelled dataset with a dimension of runs.
 
-    Every variable has its unit. Lists of sentences, warnings, limits and exposure are attributes in
-    JSON.
+    Every variable has its unit. Lists of sentences, warnings, limits, exposure and states of
+    rubber are attributes in JSON.
     """
 
     dataset: Any
 
     def __getitem__(self, name: str) -> "xr.DataArray":
-        found: xr.DataArray = self.dataset[name]
-        return found
+        self._check_variable(name)
+        array: xr.DataArray = self.dataset[name]
+        return array
+
+    def _check_variable(self, name: object) -> None:
+        """Raise an InputError unless the dataset has a variable of that name."""
+        names = [str(key) for key in self.dataset.variables]
+        if not isinstance(name, str) or name not in names:
+            raise InputError(f"no variable {short_repr(name)}{nearest(short_repr(name), names)}")
+
+    def _check_run(self, run: int, dimension: str) -> None:
+        """Raise an InputError unless a run has that number, which may count from the last one."""
+        runs = self.dataset.sizes[dimension]
+        if not -runs <= run < runs:
+            raise InputError(f"run = {run}: must be an integer from 0 to {runs - 1}")
 
     @property
     def outcome(self) -> str:
         """The outcome of the first run that did not complete, else completed."""
         if self.dataset.attrs.get("interrupted"):
             return "interrupted"
-        ended = [str(name) for name in self.dataset["outcome"].values]
-        return next((name for name in ended if name != COMPLETED), COMPLETED)
+        outcomes = [str(name) for name in self.dataset["outcome"].values]
+        return next((name for name in outcomes if name != COMPLETED), COMPLETED)
 
     @property
     def sentence(self) -> str:
@@ -196,9 +215,9 @@ class DatasetResult(Result):
         return largest_tested(self.tested_range.to_dict("records"), run, limit)
 
     def _limits_summary(self) -> dict[str, Any]:
-        name = "exposure"
-        found = {name: from_attribute(self.dataset, name)} if name in self.dataset.attrs else {}
-        return super()._limits_summary() | found
+        names = [name for name in ("exposure", "rubber_state") if name in self.dataset.attrs]
+        attributes = {name: from_attribute(self.dataset, name) for name in names}
+        return super()._limits_summary() | attributes
 
     def _rows(self, name: str) -> "pd.DataFrame":
         rows = from_attribute(self.dataset, name) if name in self.dataset.attrs else []

@@ -18,8 +18,10 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import BinaryIO
 
 from thermobearing.border.errors import InputError, OutputError
+from thermobearing.border.opener import LARGEST_STORE, opened
 
 try:
     import fcntl
@@ -30,7 +32,7 @@ PATIENCE, POLL = 2.0, 0.05  # [s]
 AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
 
-def _marks(final: Path) -> tuple[str, str]:
+def _hidden_prefixes(final: Path) -> tuple[str, str]:
     """Return the prefixes of hidden siblings: of one being written, of one being replaced."""
     short = hashlib.sha256(os.fsencode(final.name)).hexdigest()[:12]  # a name may be long
     return f".thermobearing-writing-{short}-", f".thermobearing-old-{short}-"
@@ -43,22 +45,22 @@ def locked(path: Path, *, wait: bool = True, shared: bool = False) -> Iterator[b
     `wait` for at most `PATIENCE`; a `shared` lock is held with others that share it too.
     """
     with ExitStack() as stack:
-        held: bool | None = True
+        acquired: bool | None = True
         try:
-            handle = os.open(path, os.O_RDONLY)
+            handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
             stack.callback(os.close, handle)
-            how = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
+            operation = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
             until = time.monotonic() + (PATIENCE if wait else 0.0)
-            while not (held := _taken(handle, how)) and time.monotonic() < until:
+            while not (acquired := _try_lock(handle, operation)) and time.monotonic() < until:
                 time.sleep(POLL)
         except (OSError, AttributeError):  # not readable; no locks there, or none at all
-            held = None
-        yield held
+            acquired = None
+        yield acquired
 
 
-def _taken(handle: int, how: int) -> bool:
+def _try_lock(handle: int, operation: int) -> bool:
     try:
-        fcntl.flock(handle, how | fcntl.LOCK_NB)
+        fcntl.flock(handle, operation | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     return True
@@ -71,19 +73,20 @@ def new_sibling(final: Path) -> Iterator[Path]:
     A folder that another process keeps to itself (a running study) is written into as well, so
     that no result is lost; nothing is then removed from it.
     """
-    partial = final.parent / f"{_marks(final)[0]}{secrets.token_hex(4)}"
-    with ExitStack() as alive:
-        with locked(final.parent) as alone:
-            if alone:
+    partial = final.parent / f"{_hidden_prefixes(final)[0]}{secrets.token_hex(4)}"
+    with ExitStack() as locks:
+        # Locked before the parent is free again: else another run would take it for a leftover.
+        with locked(final.parent) as acquired:
+            if acquired:
                 _clean(final)
             partial.mkdir()
-            alive.enter_context(locked(partial))
+            locks.enter_context(locked(partial))
         yield partial
 
 
 def _clean(final: Path) -> None:
     """Remove leftovers of killed runs, and restore a result that one of them was replacing."""
-    writing, old = _marks(final)
+    writing, old = _hidden_prefixes(final)
     for path in list(final.parent.iterdir()):
         if path.name.startswith(old) and not final.exists():
             path.rename(final)
@@ -117,7 +120,7 @@ def _exchange(first: Path, second: Path) -> bool:
 
 def _replace(partial: Path, final: Path) -> None:
     """Swap them in two steps; `_clean` of the next run finds the earlier one between these."""
-    old = final.parent / f"{_marks(final)[1]}{secrets.token_hex(4)}"
+    old = final.parent / f"{_hidden_prefixes(final)[1]}{secrets.token_hex(4)}"
     try:
         final.rename(old)
         partial.rename(final)
@@ -133,32 +136,30 @@ DIGEST = 64  # characters
 BLOCK = 1 << 20  # bytes read at a time
 
 
-def _digest(file: Path, size: int) -> bytes:
-    found = hashlib.sha256()
-    with file.open("rb") as stream:
-        while size > 0 and (block := stream.read(min(BLOCK, size))):
-            found.update(block)
-            size -= len(block)
-    return found.hexdigest().encode()
+def _digest(stream: BinaryIO, size: int) -> bytes:
+    digest = hashlib.sha256()
+    stream.seek(0)
+    while size > 0 and (block := stream.read(min(BLOCK, size))):
+        digest.update(block)
+        size -= len(block)
+    return digest.hexdigest().encode()
 
 
-def _seal(file: Path) -> None:
+def seal(file: Path) -> None:
     """Append the digest of what a file holds."""
-    digest = _digest(file, file.stat().st_size)
-    with file.open("ab") as stream:
+    with file.open("r+b") as stream:
+        digest = _digest(stream, file.stat().st_size)
+        stream.seek(0, os.SEEK_END)
         stream.write(MARK + digest)
 
 
 def check_seal(file: Path) -> None:
     """Reject a file whose digest is missing or wrong."""
-    try:
-        size = file.stat().st_size - len(MARK) - DIGEST
-        with file.open("rb") as stream:
-            stream.seek(max(size, 0))
-            end = stream.read()
-        complete = end == MARK + _digest(file, size)
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror or error}", str(file)) from None
+    with opened(file, LARGEST_STORE) as stream:
+        size = stream.seek(0, os.SEEK_END) - len(MARK) - DIGEST
+        stream.seek(max(size, 0))
+        end = stream.read()
+        complete = end == MARK + _digest(stream, size)
     if not end.startswith(MARK):
         fault = "is not a result file of thermobearing, is truncated, or was written by another "
         raise InputError(f"{fault}program or version; run its case again", str(file))
@@ -172,6 +173,7 @@ RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv
 TABLE, MODES, RIG, TESTED_RANGE = "table.csv", "modes.csv", "rig.csv", "tested_range.csv"
 PARTS, LINES, PIERS = "parts", "lines.csv", "piers.csv"
 DIRECTIONS, COMPONENTS, ROTATION = "directions.csv", "components.csv", "rotation.csv"
+BANDS = "bands.csv"
 STRUCTURE_PARTS, PERIODS, FRAME_PERIODS = "parts.csv", "periods.csv", "frame.csv"
 IDENTIFIED, COMPOUND = "bearing.toml", "compound.toml"
 FIT_TABLE, SAMPLES, SIDECARS = "fit.csv", "posterior.csv", "sidecars"
@@ -179,18 +181,67 @@ MOTION, SPECTRUM, FACTORS, SCALE = "motion.csv", "spectrum.csv", "factors.csv", 
 BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON = "bounds.csv", "bounds.tcl", "bounds.py"
 ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
+STATES, VIRGIN = "states.csv", "virgin.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
 TITLE, LOGO, QUOFEM = "report.toml", "report-logo", "quofem"
+PROPERTIES, LINKS, MODES_FILE = "properties.csv", "links.txt", "modes.csv"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
-    *(SUMMARY, DATASET, HISTORY, RESOLVED, FIGURES, COMPARISON, TABLE, MODES, RIG, TESTED_RANGE),
-    *(DIRECTIONS, COMPONENTS, ROTATION, QUOFEM, FRAME_PERIODS),
-    *(PARTS, LINES, PIERS, STRUCTURE_PARTS, PERIODS, IDENTIFIED, COMPOUND, FIT_TABLE, SAMPLES),
-    *(SIDECARS, MOTION, SPECTRUM, FACTORS, SCALE, BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON, ROUNDS),
-    *(CHECKS, BEARINGS, TEMPERATURES, VALIDATED_CYCLES, FOLDS, THERMOCOUPLES, ".DS_Store"),
-    *(REPORT_HTML, REPORT_PDF, WORKBOOK, CERTIFICATE_HTML, CERTIFICATE_PDF, TITLE, LOGO),
+    BANDS,
+    BEARINGS,
+    BOUNDS,
+    BOUNDS_PYTHON,
+    BOUNDS_TCL,
+    CERTIFICATE_HTML,
+    CERTIFICATE_PDF,
+    CHECKS,
+    COMPARISON,
+    COMPONENTS,
+    COMPOUND,
+    DATASET,
+    DIRECTIONS,
+    FACTORS,
+    FIGURES,
+    FIT_TABLE,
+    FOLDS,
+    FRAME_PERIODS,
+    HISTORY,
+    IDENTIFIED,
+    LINES,
+    LINKS,
+    LOGO,
+    MODES,
+    MOTION,
+    PARTS,
+    PERIODS,
+    PIERS,
+    PROPERTIES,
+    QUOFEM,
+    REPORT_HTML,
+    REPORT_PDF,
+    RESOLVED,
+    RIG,
+    ROTATION,
+    ROUNDS,
+    SAMPLES,
+    SCALE,
+    SIDECARS,
+    SPECTRUM,
+    STATES,
+    STRUCTURE_PARTS,
+    SUMMARY,
+    TABLE,
+    TEMPERATURES,
+    TESTED_RANGE,
+    THERMOCOUPLES,
+    TITLE,
+    VALIDATED_CYCLES,
+    VIRGIN,
+    WORKBOOK,
+    ".DS_Store",
+    MODES_FILE,
 }
 
 
@@ -200,11 +251,11 @@ def check_target(directory: Path, *, overwrite: bool) -> None:
     try:
         final = directory.resolve()
         if not final.exists():
-            above = next(path for path in final.parents if path.exists())
-            if not above.is_dir():
-                raise OutputError(f"{directory}: cannot be created, {above} is a file; {choose}")
-            if not os.access(above, os.W_OK | os.X_OK):
-                raise OutputError(f"{directory}: {above} is not writable; {choose}")
+            parent = next(path for path in final.parents if path.exists())
+            if not parent.is_dir():
+                raise OutputError(f"{directory}: cannot be created, {parent} is a file; {choose}")
+            if not os.access(parent, os.W_OK | os.X_OK):
+                raise OutputError(f"{directory}: {parent} is not writable; {choose}")
             return
         if not final.is_dir():
             raise OutputError(f"{directory}: is a file; {choose}")
@@ -217,8 +268,8 @@ def check_target(directory: Path, *, overwrite: bool) -> None:
         return
     foreign = sorted(names - RESULT_NAMES)
     if SUMMARY not in names or foreign:
-        held = f" (it contains {', '.join(foreign[:3])})" if foreign else ""
-        raise OutputError(f"{directory}: exists and is not a result directory{held}; {choose}")
+        content = f" (it contains {', '.join(foreign[:3])})" if foreign else ""
+        raise OutputError(f"{directory}: exists and is not a result directory{content}; {choose}")
     if not overwrite:
         raise OutputError(f"{directory}: exists; give {OVERWRITE} to replace it, or {choose}")
 
@@ -233,14 +284,14 @@ def write_directory(
     """
     check_target(directory, overwrite=overwrite)
     final = directory.resolve()
-    above = [path for path in final.parents if not path.exists()]
+    missing_parents = [path for path in final.parents if not path.exists()]
     try:
         final.parent.mkdir(parents=True, exist_ok=True)
         with new_sibling(final) as partial:
             try:
                 fill(partial)
                 if (partial / DATASET).exists():
-                    _seal(partial / DATASET)
+                    seal(partial / DATASET)
                 _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
             finally:  # incomplete, or the replaced result
                 shutil.rmtree(partial, ignore_errors=True)
@@ -249,6 +300,6 @@ def write_directory(
         raise OutputError(f"{directory}: cannot be written: {cause}") from error
     finally:
         with suppress(OSError):
-            for path in [] if final.exists() else above:
+            for path in [] if final.exists() else missing_parents:
                 path.rmdir()
     return directory

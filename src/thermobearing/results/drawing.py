@@ -13,6 +13,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from functools import cache
 from pathlib import Path
 from typing import Any, ClassVar, Literal
@@ -23,10 +24,13 @@ from matplotlib import colormaps, font_manager
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import Collection, PathCollection
 from matplotlib.colors import LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.mathtext import MathTextParser
+from matplotlib.patches import Patch
+from matplotlib.path import Path as Path2D
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
@@ -51,12 +55,12 @@ def _vector_bytes(figure: Figure, kind: str = "svg", *, as_text: bool = False) -
         for line in ax.get_lines():
             if np.size(line.get_xdata()) > MOST_POINTS:
                 line.set_rasterized(True)
-    drawn = io.BytesIO()
+    buffer = io.BytesIO()
     date = "Date" if kind == "svg" else "CreationDate"
-    fine = PRINTED_DPI if as_text else FINENESS
+    dpi = PRINTED_DPI if as_text else FINENESS
     with mpl.rc_context(AS_TEXT if as_text else LOOK):  # type: ignore[arg-type]
-        figure.savefig(drawn, format=kind, dpi=fine, metadata={date: None, "Creator": None})
-    return drawn.getvalue()
+        figure.savefig(buffer, format=kind, dpi=dpi, metadata={date: None, "Creator": None})
+    return buffer.getvalue()
 
 
 Look = dict[str, Any]  # how an artist is drawn
@@ -77,9 +81,12 @@ SHORTEST_LINE = 12  # letters of a title or a label before it is broken
 UNBROKEN = "\N{NO-BREAK SPACE}"
 HANDLE = 4.5  # width of a legend's line and gaps, of the font size
 INK, GREY, PALE, STEEL, RUBBER = "#1a1a1a", "#6b6b6b", "#eef0f3", "#d3d8de", "#fdf6ec"
-# Paul Tol's "vibrant" colours in the order of temperature: safe for colour-blind readers.
+# Temperatures in every figure, from blue to orange. The lightness (L of OKLab) rises evenly from
+# 0.40 to 0.68, so that the order also shows to colour-blind readers and in grey, and ends where
+# the contrast with white is still 3 to 1.
 COLD_TO_WARM = LinearSegmentedColormap.from_list(
-    "cold_to_warm", ["#0077BB", "#33BBEE", "#009988", "#EE7733", "#CC3311"]
+    "cold_to_warm",
+    ["#013aa8", "#562dbf", "#8928b4", "#b52698", "#d82b6f", "#ee4337", "#e67502"],
 )
 COLD, WARM = -20.0, 23.0  # ends of the scale for a single ambient temperature [degC]
 HISTORY_POINTS = 1500  # of a line in time
@@ -99,14 +106,27 @@ NO_GLYPH = re.compile(r"Glyph (\d+) \(.*\) missing from font")
 MOST_CODES = 20  # of missing letters in a sentence
 ALIKE = 0.03  # of the range of temperatures: layers this close are drawn as one
 LOOP_STEP = 1 / 250  # distance of kept points of a loop, of the size of the panel
+EVERY_POINT: ContextVar[bool] = ContextVar("every_point", default=False)
+
+
+@contextmanager
+def every_point() -> Iterator[None]:
+    """Draw lines with all of their points within the block, for a plot that can be enlarged."""
+    token = EVERY_POINT.set(True)
+    try:
+        yield
+    finally:
+        EVERY_POINT.reset(token)
 
 
 def missing_letters(letters: Iterable[str], where: str) -> str:
     """Return a sentence on letters that no installed font has, and how to get a font."""
     codes = [f"U+{ord(letter):04X}" for letter in sorted(letters)]
-    more = f" and {len(codes) - MOST_CODES} more" if len(codes) > MOST_CODES else ""
+    listed = ", ".join(codes[:MOST_CODES])
+    if len(codes) > MOST_CODES:
+        listed = f"{listed} and {len(codes) - MOST_CODES} more"
     return (
-        f"No installed font has some letters of {where} ({', '.join(codes[:MOST_CODES])}{more}); "
+        f"No installed font has some letters of {where} ({listed}); "
         "boxes or codes replace them. Install a font with these letters and draw again: for "
         "Chinese, Japanese and Korean Noto Sans CJK (on Debian and Ubuntu fonts-noto-cjk)."
     )
@@ -127,13 +147,13 @@ class MissingLettersWarning(UserWarning):
 def without_font(caught: Iterable[warnings.WarningMessage]) -> set[str]:
     """Return the letters of which recorded warnings say that no font has them; raise the others."""
     letters: set[str] = set()
-    for one in caught:
-        if isinstance(one.message, MissingLettersWarning):
-            letters |= one.message.letters
-        elif found := NO_GLYPH.search(str(one.message)):
-            letters.add(chr(int(found[1])))
+    for warning in caught:
+        if isinstance(warning.message, MissingLettersWarning):
+            letters |= warning.message.letters
+        elif match := NO_GLYPH.search(str(warning.message)):
+            letters.add(chr(int(match[1])))
         else:
-            warnings.warn(one.message, one.category, stacklevel=3)
+            warnings.warn(warning.message, warning.category, stacklevel=3)
     return letters
 
 
@@ -141,23 +161,23 @@ def without_font(caught: Iterable[warnings.WarningMessage]) -> set[str]:
 def _one_warning() -> Iterator[None]:
     """Warn once of all letters without a font in what is drawn."""
     with DRAWING:
-        with warnings.catch_warnings(record=True) as caught:
+        with warnings.catch_warnings(record=True) as recorded:
             warnings.simplefilter("always")
             yield
-        if letters := without_font(caught):
+        if letters := without_font(recorded):
             warnings.warn(MissingLettersWarning(letters), stacklevel=4)
 
 
 @cache
 def _east_asian_fonts() -> list[str]:
     """Return the families of installed fonts with Chinese, Japanese and Korean letters."""
-    known = font_manager.fontManager.ttflist
-    if not {font.name for font in known} & set(EAST_ASIAN):  # perhaps installed since the list
-        for path in set(font_manager.findSystemFonts()) - {font.fname for font in known}:
+    fonts = font_manager.fontManager.ttflist
+    if not {font.name for font in fonts} & set(EAST_ASIAN):  # perhaps installed since the list
+        for path in set(font_manager.findSystemFonts()) - {font.fname for font in fonts}:
             with suppress(OSError, RuntimeError):
                 font_manager.fontManager.addfont(path)
-    there = {font.name for font in font_manager.fontManager.ttflist}
-    return [name for name in EAST_ASIAN if name in there]
+    installed = {font.name for font in font_manager.fontManager.ttflist}
+    return [name for name in EAST_ASIAN if name in installed]
 
 
 class Picture(Figure):
@@ -235,30 +255,27 @@ def panels(
     panels would become too narrow. Panels that need at `least` so many inches go below each other.
     """
     style = STYLE.get()
-    wide = style.width or min(size[0], WIDEST)
+    width = style.width or min(size[0], WIDEST)
     count = rows * columns
-    if style.width and wide / columns < least:
-        columns = max(int(wide / least), 1)
+    if style.width and width / columns < least:
+        columns = max(int(width / least), 1)
         rows = math.ceil(count / columns)
-        size = wide, LOW * wide * rows / columns
-    if style.width and wide / columns < NARROWEST:
-        wide = max(wide, COLUMNS["double-column"] / INCH)
-    size = wide, min(1.0, wide / size[0]) ** FLATTER * size[1]
+        size = width, LOW * width * rows / columns
+    if style.width and width / columns < NARROWEST:
+        width = max(width, COLUMNS["double-column"] / INCH)
+    # A narrower figure loses less of its height: labels and legends keep their size.
+    size = width, min(1.0, width / size[0]) ** FLATTER * size[1]
     if style.width:
-        size = wide, max(size[1], BELOW + LOWEST * rows)
+        size = width, max(size[1], BELOW + LOWEST * rows)
     title = title if style.titles else ""
     figure = Picture(figsize=size, layout="constrained")
-    room = int(size[0] * 72.0 / (BOLD_LETTER * LARGE))
-    lines = title.replace(": ", ":\n", 1) if len(title) > room else title
-    wrapped = "\n".join(
-        textwrap.fill(line, room, break_on_hyphens=False) for line in lines.splitlines()
-    )
     if title:
-        figure.suptitle(wrapped, fontsize=LARGE, fontweight="bold", color=INK)
+        wrapped, letters = _wrapped_title(title, size[0])
+        figure.suptitle(wrapped, fontsize=letters, fontweight="bold", color=INK)
     shared: Look = {"squeeze": False, "sharex": share, "sharey": share, "width_ratios": widths}
     axes = figure.subplots(rows, columns, **shared)
     for ax in axes.flat:
-        if wide / columns < NARROWEST:
+        if width / columns < NARROWEST:
             ax.xaxis.set_major_locator(MaxNLocator(3))
         ax.set_axisbelow(True)
         ax.tick_params(labelsize=SMALL, color=GREY, labelcolor=INK)
@@ -269,6 +286,32 @@ def panels(
     return figure, list(axes.flat[:count])
 
 
+TITLE_LINES = 2
+
+
+def _wrapped_title(title: str, width: float) -> tuple[str, float]:
+    """Return a title in at most two lines of a figure so many inches wide, and its font size.
+
+    Letters become smaller before words are left out at the end.
+    """
+    sizes = np.arange(LARGE, SMALLEST - 0.25, -0.5)
+    for letters in sizes:
+        room = int(width * 72.0 / (BOLD_LETTER * letters))
+        before, colon, after = title.partition(": ")
+        for text in (f"{before}:\n{after}" if colon and len(title) > room else title, title):
+            lines = [
+                part
+                for line in text.splitlines()
+                for part in textwrap.wrap(line, room, break_on_hyphens=False)
+            ]
+            if len(lines) <= TITLE_LINES:
+                return "\n".join(lines), float(letters)
+    lines = textwrap.wrap(
+        title, room, max_lines=TITLE_LINES, placeholder=" \N{HORIZONTAL ELLIPSIS}"
+    )
+    return "\n".join(lines), float(sizes[-1])
+
+
 def fitting(count: int) -> int:
     """Return how many letters or columns fit in the width of `figure_style`, of those on a page."""
     return int(count * min(1.0, (STYLE.get().width or WIDEST) / WIDEST))
@@ -277,13 +320,13 @@ def fitting(count: int) -> int:
 def save_figure(figure: Figure, path: str | Path | io.BytesIO, dpi: int | None = None) -> None:
     """Write a figure as PNG with a palette, a third as large as one with a colour a point."""
     dpi = DPI if dpi is None else dpi
-    usual, figure.dpi = figure.dpi, dpi
+    previous_dpi, figure.dpi = figure.dpi, dpi
     # Laid out and drawn in one go: `savefig` draws twice, and packs a PNG that is unpacked here.
     canvas: Any = FigureCanvasAgg(figure)
     with DRAWING:
         canvas.draw()
     drawn = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    figure.dpi = usual
+    figure.dpi = previous_dpi
     picture = drawn.quantize(COLOURS, dither=Image.Dither.NONE)
     picture.save(path, "PNG", optimize=True, dpi=(dpi, dpi))
 
@@ -293,19 +336,20 @@ def name_axes(ax: Axes, x: str = "", y: str = "", title: str = "", pad: float = 
     grid = ax.get_gridspec()
     rows, columns = grid.get_geometry() if grid else (1, 1)
     size = parent_figure(ax).get_size_inches()
-    wide, high = size[0] / columns - MARGIN, (size[1] - BELOW) / rows - 0.5 * MARGIN
+    width, height = size[0] / columns - MARGIN, (size[1] - BELOW) / rows - 0.5 * MARGIN
 
     def _fill(text: str, inch: float) -> str:
         room = max(int(inch * 72.0 / (LETTER * NORMAL)), SHORTEST_LINE)
+        # A unit stays in the line of its number or name.
         unbroken = text.replace(" °C", f"{UNBROKEN}°C").replace(" [", f"{UNBROKEN}[")
         return textwrap.fill(unbroken, room, break_long_words=False).replace(UNBROKEN, " ")
 
     if x:
-        ax.set_xlabel(_fill(x, wide) if STYLE.get().width else x, fontsize=NORMAL)
+        ax.set_xlabel(_fill(x, width) if STYLE.get().width else x, fontsize=NORMAL)
     if y:
-        ax.set_ylabel(_fill(y, high) if STYLE.get().width else y, fontsize=NORMAL)
+        ax.set_ylabel(_fill(y, height) if STYLE.get().width else y, fontsize=NORMAL)
     if title:
-        ax.set_title(_fill(title, wide), fontsize=NORMAL, loc="left", pad=pad)
+        ax.set_title(_fill(title, width), fontsize=NORMAL, loc="left", pad=pad)
 
 
 def head_grid(axes: list[Axes], heads: list[str], sides: list[str]) -> None:
@@ -325,17 +369,18 @@ class _Note(Text):
         ax = self.axes
         assert ax is not None
         paths = [line.get_path().transformed(line.get_transform()) for line in ax.lines]
-        others = [text for text in ax.texts if text is not self and text.get_text()]
-        boxes = [text.get_window_extent(renderer) for text in others]
+        other_texts = [text for text in ax.texts if text is not self and text.get_text()]
+        boxes = [text.get_window_extent(renderer) for text in other_texts]
 
         def _covered(place: tuple[float, float]) -> int:
             self.set(position=place, ha=SIDES[place[0]], va=HEIGHTS[place[1]])
-            own = self.get_window_extent(renderer).padded(renderer.points_to_pixels(AROUND))
-            inside = sum(int(own.count_contains(path.vertices)) for path in paths)
-            crossed = sum(path.intersects_bbox(own, filled=False) for path in paths)
-            return inside + crossed + MOST_POINTS * own.count_overlaps(boxes)
+            box = self.get_window_extent(renderer).padded(renderer.points_to_pixels(AROUND))
+            inside = sum(int(box.count_contains(path.vertices)) for path in paths)
+            crossed = sum(path.intersects_bbox(box, filled=False) for path in paths)
+            return inside + crossed + MOST_POINTS * box.count_overlaps(boxes)
 
         usual = self.get_position()
+        # The fewest crossings first, then the place nearest to the usual one.
         places = [(x, y) for x in SIDES for y in HEIGHTS]
         _covered(min(places, key=lambda at: (_covered(at), math.dist(at, usual))))
         super().draw(renderer)
@@ -349,23 +394,69 @@ def say_why(ax: Axes, why: str, at: tuple[float, float] = (0.02, 0.02), **look: 
     ax.add_artist(note)
 
 
+class EmptyFigureWarning(RuntimeWarning):
+    """A figure that holds no data, and is not written."""
+
+
+def holds_data(figure: Figure) -> bool:
+    """Return whether any panel shows a finite point, bar, area or picture.
+
+    Lines and areas across a whole panel, such as a limit, are no data.
+    """
+    return any(
+        bool(ax.images)
+        or any(in_data(ax, line) for line in ax.lines)
+        or any(_is_finite(ax, patch, patch_path(patch)) for patch in ax.patches)
+        or any(map(_collection_holds_data, ax.collections))
+        for ax in figure.axes
+        if ax.get_visible()
+    )
+
+
+def patch_path(patch: Patch) -> Path2D:
+    """Return the outline of a patch in the coordinates of the data."""
+    return patch.get_path().transformed(patch.get_patch_transform())
+
+
+def in_data(ax: Axes, line: Line2D) -> bool:
+    """Return whether a line shows finite data, and is no line across the whole panel."""
+    return _is_finite(ax, line, line.get_path())
+
+
+def _is_finite(ax: Axes, artist: Artist, path: Path2D) -> bool:
+    """Return whether an artist in the coordinates of the data has a finite point."""
+    in_data = all(artist.get_transform().contains_branch_seperately(ax.transData))
+    return in_data and bool(np.isfinite(path.vertices).all(axis=-1).any())
+
+
+def _collection_holds_data(collection: Collection) -> bool:
+    if isinstance(collection, PathCollection):
+        return bool(np.isfinite(np.ma.filled(collection.get_offsets(), np.nan)).any())
+    return any(bool(np.isfinite(path.vertices).any()) for path in collection.get_paths())
+
+
 def save_figures(
     figures: Mapping[str, Callable[[], Figure]], folder: Path, *, vector: bool = False
 ) -> list[Path]:
     """Draw and write figures by the name of each file, and return the files.
 
     They are PNG; a PDF or SVG of `figure_style` is written too. With `vector` as SVG too, for
-    documents of results that are read back as tables and pictures.
+    documents of results that are read back as tables and pictures. A figure without data is not
+    written; an `EmptyFigureWarning` names it.
     """
     style = STYLE.get()
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     with _one_warning():
         for name, draw in figures.items():
-            written.append(folder / f"{name}.png")
             figure = draw()
-            fine = PRINTED_DPI if style.width and style.format == "png" else None
-            save_figure(figure, written[-1], fine)
+            if not holds_data(figure):
+                message = f"the figure {name} holds no data and is not written"
+                warnings.warn(EmptyFigureWarning(message), stacklevel=4)
+                continue
+            written.append(folder / f"{name}.png")
+            dpi = PRINTED_DPI if style.width and style.format == "png" else None
+            save_figure(figure, written[-1], dpi)
             if style.format != "png":
                 written[-1] = folder / f"{name}.{style.format}"
                 written[-1].write_bytes(_vector_bytes(figure, style.format, as_text=True))
@@ -418,13 +509,13 @@ class Figures:
 def thin(values: Floats, bins: int) -> Ints:
     """Return points that draw like all: the first, the last, and the extremes of each bin."""
     size = max(1, len(values) // max(bins, 1))
-    if size <= 2:
+    if size <= 2 or EVERY_POINT.get():  # two extremes of two points: nothing to leave out
         return np.arange(len(values))
     binned = len(values) // size * size
     shaped = values[:binned].reshape(-1, size)
     start = np.arange(0, binned, size)
-    rest = np.arange(binned, len(values))
-    picked = [[0], start + shaped.argmin(axis=1), start + shaped.argmax(axis=1), rest]
+    remainder = np.arange(binned, len(values))
+    picked = [[0], start + shaped.argmin(axis=1), start + shaped.argmax(axis=1), remainder]
     return np.unique(np.concatenate([*picked, [len(values) - 1]])).astype(np.int64)
 
 
@@ -432,11 +523,15 @@ def thin_loops(
     x: Floats, y: Floats, width: float, height: float, most: int = MOST_LOOP_POINTS
 ) -> Ints:
     """Points of a path in the plane that keep its shape: evenly along it, and where it turns."""
-    if len(x) < 3:
+    if len(x) < 3 or EVERY_POINT.get():
         return np.arange(len(x))
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / width, np.diff(y) / height))])
-    step = max(LOOP_STEP, way[-1] / most)
-    kept = np.flatnonzero(np.diff(np.floor(way / step), prepend=-1.0))
+    path_length = np.concatenate(
+        [[0.0], np.cumsum(np.hypot(np.diff(x) / width, np.diff(y) / height))]
+    )
+    # Lengths are in units of the panel, so that a step is as long on paper in any direction; a
+    # point is kept where the path enters another step.
+    step = max(LOOP_STEP, path_length[-1] / most)
+    kept = np.flatnonzero(np.diff(np.floor(path_length / step), prepend=-1.0))
     turns = 1 + np.flatnonzero(np.diff(x)[:-1] * np.diff(x)[1:] < 0.0)
     if len(turns) < most:  # else noise causes the turns
         kept = np.union1d(kept, turns)
@@ -459,9 +554,11 @@ def legend_below(figure: Figure, handles: Sequence[Artist]) -> None:
     """Draw one legend for all panels, in as few rows as the width of the figure allows."""
     room = figure.get_figwidth() * 72.0 / SMALL
     lines = [str(handle.get_label()).splitlines() for handle in handles]
-    wide = [LETTER * max(map(len, some), default=0) + HANDLE for some in lines]
+    widths = [LETTER * max(map(len, label_lines), default=0) + HANDLE for label_lines in lines]
     look: Look = {"loc": "outside lower center", "fontsize": SMALL, "frameon": False}
-    rows = math.ceil(max(sum(wide) / room, len(handles) / max(room // max(wide), 1.0)))
+    # Columns of a legend are as wide as their longest entry: rows by the sum of all widths, but no
+    # fewer than with columns of the largest width.
+    rows = math.ceil(max(sum(widths) / room, len(handles) / max(room // max(widths), 1.0)))
     figure.legend(handles=handles, ncols=math.ceil(len(handles) / rows), **look)
 
 
@@ -527,12 +624,12 @@ def shade_untested(
     """
     place = (0.98, 0.98) if along == "x" else (0.02, 0.02)
     shaded = False
-    for ax, (least, most) in zip(axes, tested, strict=False):
-        if not np.isfinite([least, most]).any():
+    for ax, (lowest, highest) in zip(axes, tested, strict=False):
+        if not np.isfinite([lowest, highest]).any():
             continue
         low, high = ax.get_xlim() if along == "x" else ax.get_ylim()
         span = ax.axvspan if along == "x" else ax.axhspan
-        outside = [(a, b) for a, b in ((most, high), (low, least)) if b > a]
+        outside = [(a, b) for a, b in ((highest, high), (low, lowest)) if b > a]
         for first, last in outside:
             span(first, last, color=UNTESTED, zorder=0.2, linewidth=0)
         ax.set(**{f"{along}lim": (low, high)})
@@ -568,12 +665,16 @@ def mark_tested(ax: Axes, largest: float, name: str) -> None:
     if np.isfinite(largest):
         low, high = ax.get_ylim()
         drawn = np.concatenate([np.ravel(line.get_ydata()) for line in ax.lines] + [np.empty(0)])
-        near = ((drawn > largest) & (drawn < largest + 0.15 * (high - low))).any()
+        data_above = ((drawn > largest) & (drawn < largest + 0.15 * (high - low))).any()
         ax.axhline(largest, **LIMIT)
         look: Look = {
             "fontsize": SMALLEST,
             "color": LIMIT["color"],
             "bbox": BOX | {"alpha": 0.6},
         }
-        look |= {"va": "top" if near else "bottom", "ha": "left", "zorder": 1.9}  # below lines
+        look |= {
+            "va": "top" if data_above else "bottom",
+            "ha": "left",
+            "zorder": 1.9,
+        }  # below lines
         ax.text(0.01, largest, name, transform=ax.get_yaxis_transform(), **look)

@@ -6,7 +6,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.units import parse_quantity
 
 # Widths of columns [mm] and the smallest letters [pt] in the instructions of a large publisher
@@ -27,6 +27,7 @@ class FigureStyle:
     titles: bool = True
 
 
+STYLE_KEYS = ("format", "width", "titles")
 Wanted = bool | Mapping[str, Any]  # figures: none, as usual, or with keywords of `check_style`
 USUAL = FigureStyle()
 STYLE: ContextVar[FigureStyle] = ContextVar("figure_style", default=USUAL)
@@ -39,14 +40,16 @@ def check_style(format: str = "png", width: str | None = None, titles: bool = Tr
     5.0
     """
     if format not in FORMATS:
-        raise InputError(f"figure_format = {format!r}: must be one of {', '.join(FORMATS)}")
+        raise InputError(
+            f"figure_format = {short_repr(format)}: must be one of {', '.join(FORMATS)}"
+        )
     if width is None:
         return FigureStyle(format, None, titles)
-    forms = f'{" or ".join(COLUMNS)}, or a length with a unit such as "120 mm"'
+    allowed_forms = f'{" or ".join(COLUMNS)}, or a length with a unit such as "120 mm"'
     try:
         size = COLUMNS.get(width) or parse_quantity(width, "mm")
     except InputError as error:
-        raise InputError(f"figure_width = {width!r}: {error}; give {forms}") from None
+        raise InputError(f"figure_width = {width!r}: {error}; give {allowed_forms}") from None
     if not NARROWEST <= size <= WIDEST:
         limits = f"from {NARROWEST:g} mm to {WIDEST:g} mm"
         raise InputError(f"figure_width = {width!r}: must be {limits}")
@@ -64,8 +67,13 @@ def figure_style(keywords: Wanted) -> Iterator[None]:
     if not isinstance(keywords, Mapping) or not keywords:
         yield
         return
-    before = STYLE.set(check_style(**keywords))
+    unknown = [str(key) for key in keywords if key not in STYLE_KEYS]
+    if unknown:
+        raise InputError(
+            [f'figures: unknown key "{key}"{nearest(key, STYLE_KEYS)}' for key in unknown]
+        )
+    token = STYLE.set(check_style(**keywords))
     try:
         yield
     finally:
-        STYLE.reset(before)
+        STYLE.reset(token)

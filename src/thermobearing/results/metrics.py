@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
@@ -115,9 +116,9 @@ def measure_cycle(
     if d.min() == d.max():
         raise InputError("a cycle without displacement cannot be measured")
     d, f = np.ascontiguousarray(d), np.ascontiguousarray(f)
-    known = np.nan if work is None else float(work)
+    energy = np.nan if work is None else float(work)
     size = float(area), float(total_rubber_thickness)
-    return CycleMeasures(*measure_loop(d, f, *size, known, bool(slope)))
+    return CycleMeasures(*measure_loop(d, f, *size, energy, bool(slope)))
 
 
 @dataclass(frozen=True)
@@ -146,25 +147,32 @@ def found_cycles(
         return []
     # Which side the history is on, remembered while it is within the threshold of zero.
     side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
-    known = np.flatnonzero(side)
-    turns = [(int(a), int(b)) for a, b in pairwise(known) if side[a] < side[b]]
-    if side[known[0]] > 0:
-        turns = [(0, int(known[0])), *turns]
+    outside = np.flatnonzero(side)
+    turns = [(int(a), int(b)) for a, b in pairwise(outside) if side[a] < side[b]]
+    if side[outside[0]] > 0:
+        # A history that begins upwards has no point below zero before its first crossing.
+        turns = [(0, int(outside[0])), *turns]
     dwell = max(SHORTEST_DWELL, DWELL * len(d) / max(len(turns), 1))
     crossings = [_crossing(d, before, after, rests, dwell) for before, after in turns]
-    spans = [(one[1], *other[::2]) for one, other in pairwise(crossings)]
-    tail, end, left = crossings[-1][1] if crossings else len(d), len(d) - 1, []
-    away = tail + np.flatnonzero(side[tail:])
-    if len(away) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
-        arrived, _, moving = _crossing(d, int(away[-1]), end, rests, dwell)
+    # A cycle lasts from where the motion leaves zero to where it comes back at the next crossing.
+    spans = [
+        (departed, arrived, moving)
+        for (_, departed, _), (arrived, _, moving) in pairwise(crossings)
+    ]
+    tail, end, incomplete = crossings[-1][1] if crossings else len(d), len(d) - 1, []
+    outside_tail = tail + np.flatnonzero(side[tail:])
+    # After the last upward crossing there is a cycle only if the motion reaches the other side
+    # and ends near zero, where no further crossing follows.
+    if len(outside_tail) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
+        arrived, _, moving = _crossing(d, int(outside_tail[-1]), end, rests, dwell)
         spans.append((tail, end if moving is None else arrived, moving))
-    elif len(away):
-        left.append(FoundCycle(tail, end, "incomplete", end))
+    elif len(outside_tail):
+        incomplete.append(FoundCycle(tail, end, "incomplete", end))
     return [
         FoundCycle(a, b, "closed" if moving is None else "rest", b if moving is None else moving)
         for a, b, moving in spans
         if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()
-    ] + left
+    ] + incomplete
 
 
 def _crossing(
@@ -176,19 +184,20 @@ def _crossing(
     more than `dwell` points long) the cycles follow each other at once; points on the same spot
     belong to neither of them, since the logger may have slept between them.
     """
-    way = d[before : after + 1]
-    up, down = np.flatnonzero(way >= 0.0), np.flatnonzero(way <= 0.0)
-    arrived = before + int(up[0]) if len(up) else after
-    departed = before + int(down[-1]) if len(down) else before
+    path = d[before : after + 1]
+    at_or_above, at_or_below = np.flatnonzero(path >= 0.0), np.flatnonzero(path <= 0.0)
+    arrived = before + int(at_or_above[0]) if len(at_or_above) else after
+    departed = before + int(at_or_below[-1]) if len(at_or_below) else before
     for first, last in rests:
         if before < first < last <= after:
-            slept = last - first == 1  # no samples of the rest: its first point still moved
-            came = min(arrived, first)
-            return came, max(departed, last), came if slept else max(came - 1, before)
+            unsampled = last - first == 1  # no samples of the rest: its first point still moved
+            arrival = min(arrived, first)
+            return arrival, max(departed, last), arrival if unsampled else max(arrival - 1, before)
     if departed - arrived > dwell:
         return arrived, departed, max(arrived - 1, before)
     if departed > arrived and np.ptp(d[arrived : departed + 1]) == 0.0:
         return arrived, departed, None
+    # The next cycle follows at once: this one ends at zero, or at the first point past it.
     return departed if d[departed] == 0.0 else min(departed + 1, after), departed, None
 
 
@@ -198,6 +207,7 @@ def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[i
     return [(cycle.first, cycle.last) for cycle in cycles if cycle.ends != "incomplete"]
 
 
+@checked
 def measure_history(
     displacement: Floats,
     force: Floats,
@@ -244,11 +254,27 @@ def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
         raise InputError(f"displacement has {d.size} points but force {f.size}")
     for name, values in (("displacement", d), ("force", f)):
         if not np.isfinite(values).all():
-            at = int(np.argmin(np.isfinite(values)))
-            raise InputError(f"{name} is {values[at]} at point {at + 1}; must be finite")
+            index = int(np.argmin(np.isfinite(values)))
+            raise InputError(f"{name} is {values[index]} at point {index + 1}; must be finite")
         if len(values) and float(np.abs(values).max()) > HUGEST:
             raise InputError(f"{name} reaches {np.abs(values).max():g}, more than {HUGEST:g}")
     return d, f
+
+
+def cut_at_zeros(displacement: Floats, *others: Floats) -> list[Floats]:
+    """Return histories of a loop whose first and last point are moved to zero displacement.
+
+    A point moves along the straight line to its neighbour if that is on the other side of zero.
+    """
+    histories = [np.array(values, float) for values in (displacement, *others)]
+    for end, inner in ((0, 1), (-1, -2)):
+        outside, inside = histories[0][end], histories[0][inner]
+        if outside * inside < 0.0:
+            share = outside / (outside - inside)
+            for values in histories:
+                values[end] += share * (values[inner] - values[end])
+            histories[0][end] = 0.0
+    return histories
 
 
 def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
@@ -259,15 +285,13 @@ def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats,
     force is lost as soon as the motion stops, often within one interval of the logger.
     """
     rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
-    d, f = d[rows].copy(), f[rows].copy()
-    for end, inner in ((0, 1), (-1, -2)):
-        low, high = (end, inner) if end == 0 else (inner, end)
-        if d[low] < 0.0 < d[high]:
-            f[end] = f[low] - d[low] * (f[high] - f[low]) / (d[high] - d[low])
-            d[end] = 0.0
+    d, f = cut_at_zeros(d[rows], f[rows])
     if cycle.ends == "rest" and d[-1] != 0.0:
-        back = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
-        slope = (f[-1] - f[back[-1]]) / (d[-1] - d[back[-1]]) if len(back) else 0.0
+        far_points = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
+        slope = 0.0
+        if len(far_points):
+            far = far_points[-1]
+            slope = (f[-1] - f[far]) / (d[-1] - d[far])
         d, f = np.append(d, 0.0), np.append(f, f[-1] - slope * d[-1])
     return d, f
 
@@ -286,25 +310,28 @@ class LargestLoop:
     measures: CycleMeasures
 
 
-def find_largest_loop(displacement: Floats, alike: float = 0.0) -> tuple[int, int] | None:
+def find_largest_loop(displacement: Floats, tolerance: float = 0.0) -> tuple[int, int] | None:
     """Return the points just outside the largest loop; None if the largest displacement is in none.
 
-    Measured excursions that are meant to be equal differ by `alike`, a part of the largest
+    Measured excursions that are meant to be equal differ by `tolerance`, a part of the largest
     displacement; the first of them counts. 0 where none is measured.
     """
     d = np.asarray(displacement, float)
     if not len(d) or not d.any():
         return None
-    ways = np.abs(d)
-    first = int((ways >= (1.0 - alike) * ways.max()).argmax())
-    other = (d * d[first] < 0.0)[first:]  # on the other side
-    end = first + int(other.argmax()) if other.any() else len(d)
-    peak = first + place_of_largest(ways[first:end]) if alike else place_of_largest(ways)
+    sizes = np.abs(d)
+    first = int((sizes >= (1.0 - tolerance) * sizes.max()).argmax())
+    opposite = (d * d[first] < 0.0)[first:]  # on the other side
+    end = first + int(opposite.argmax()) if opposite.any() else len(d)
+    peak = first + place_of_largest(sizes[first:end]) if tolerance else place_of_largest(sizes)
     e = d / d[peak]  # 1 at the peak
-    rests = not alike and np.ptp(e[-max(2, int(RESTING * len(e))) :]) < NOISE
-    after, before = _look_from(e[peak:], LEFT if rests else NOISE), _look_from(e[peak::-1])
+    rests = not tolerance and np.ptp(e[-max(2, int(RESTING * len(e))) :]) < NOISE
+    after = _excursions_after_peak(e[peak:], LEFT if rests else NOISE)
+    before = _excursions_after_peak(e[peak::-1])
     if after.own_end is None or before.own_end is None:
         return None
+    # The neighbour that reaches farther, the later of equal ones; depths within a rounding are
+    # equal, so that the processor does not decide.
     if after.next_end is not None and (
         before.next_end is None or after.depth >= before.depth - TIE
     ):
@@ -320,15 +347,15 @@ class _Side(NamedTuple):
     next_end: int | None
 
 
-def _look_from(e: Floats, left: float = NOISE) -> _Side:
+def _excursions_after_peak(e: Floats, left: float = NOISE) -> _Side:
     """Along a history that begins at its peak, 1; the next excursion is that beyond -NOISE."""
     own_end = _back_at_zero(e, left)
     beyond = e < -NOISE
     first = int(beyond.argmax())
     if not beyond[first]:
         return _Side(own_end, 0.0, None)
-    back = e[first:] > NOISE
-    stop = first + int(back.argmax()) if back.any() else len(e)
+    returned = e[first:] > NOISE
+    stop = first + int(returned.argmax()) if returned.any() else len(e)
     deepest = first + place_of_least(e[first:stop])
     end = _back_at_zero(-e[deepest:], left)
     return _Side(own_end, float(-e[deepest]), None if end is None else deepest + end)
@@ -353,20 +380,13 @@ def largest_loop(
 
     Histories in mm and kN; `work` since the start where it is known [kN mm].
     """
-    found = find_largest_loop(displacement)
-    if found is None or found[1] - found[0] + 1 < FEWEST_POINTS:
+    points = find_largest_loop(displacement)
+    if points is None or points[1] - points[0] + 1 < FEWEST_POINTS:
         return None
-    part = slice(found[0], found[1] + 1)
-    given = (displacement, force, *([] if work is None else [work]))
-    histories = [np.array(values[part], float) for values in given]
-    for end, inner in ((0, 1), (-1, -2)):
-        outside, inside = histories[0][end], histories[0][inner]
-        if outside * inside < 0.0:  # the last values are those where a straight line meets zero
-            way = outside / (outside - inside)
-            for values in histories:
-                values[end] += way * (values[inner] - values[end])
-            histories[0][end] = 0.0
-    done = None if work is None else float(histories[2][-1] - histories[2][0])
+    part = slice(points[0], points[1] + 1)
+    columns = [displacement, force] if work is None else [displacement, force, work]
+    histories = cut_at_zeros(*(values[part] for values in columns))
+    energy = None if work is None else float(histories[2][-1] - histories[2][0])
     size: dict[str, Any] = {"area": area, "total_rubber_thickness": total_rubber_thickness}
     # The slope of a loop among others says little.
-    return LargestLoop(*found, measure_cycle(*histories[:2], **size, work=done, slope=False))
+    return LargestLoop(*points, measure_cycle(*histories[:2], **size, work=energy, slope=False))

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
@@ -43,19 +44,21 @@ def draw_profile_panels(
     """Panels row by row, all with the same number of kelvin; one colour and marker for a name."""
     cored = any(lead is not None for panel in panels for _, _, lead in panel.lines)
     size = (size[0] + (STRIP_INCHES * columns if cored else 0.0), size[1])
-    rows, each = -(-len(panels) // columns), 2 if cored else 1
-    widths = [1.0, STRIP][:each] * columns
-    figure, every = drawing.panels(rows, each * columns, size, title, widths=widths)
+    rows, per_run = -(-len(panels) // columns), 2 if cored else 1
+    widths = [1.0, STRIP][:per_run] * columns
+    figure, all_axes = drawing.panels(rows, per_run * columns, size, title, widths=widths)
     colours = drawing.ordered_colours(len(names), "viridis")
     looks: list[drawing.Look] = [
         {"color": colour, "marker": marker, "markersize": 3.2}
         for colour, marker in zip(colours, drawing.MARKERS, strict=False)
     ]
-    for ax in every[each * len(panels) :]:  # runs missing in an interrupted study
+    for ax in all_axes[per_run * len(panels) :]:  # runs missing in an interrupted study
         ax.remove()
-    axes = every[::each][: len(panels)]
-    strip_axes = [*every[1::2]] if cored else [None] * len(panels)
-    strips = [_draw_panel(*one, looks) for one in zip(axes, strip_axes, panels, strict=False)]
+    axes = all_axes[::per_run][: len(panels)]
+    strip_axes = [*all_axes[1::2]] if cored else [None] * len(panels)
+    strips = [
+        _draw_panel(*arguments, looks) for arguments in zip(axes, strip_axes, panels, strict=False)
+    ]
     _same_kelvin(list(zip(axes, panels, strict=True)))
     _same_kelvin([(s, panel) for s, panel in zip(strips, panels, strict=True) if s is not None])
     for place, (ax, strip, panel) in enumerate(zip(axes, strips, panels, strict=True)):
@@ -63,9 +66,9 @@ def draw_profile_panels(
         lowest = place >= len(panels) - columns
         draw_stack(ax, panel.stack, names=last and strip is None)
         ax.tick_params(labelleft=first)
-        what = "rubber and steel [°C]" if cored else "temperature [°C]"
+        x_label = "rubber and steel [°C]" if cored else "temperature [°C]"
         y = "distance from the upper face [mm]" if first else ""
-        drawing.name_axes(ax, what if lowest else "", y)
+        drawing.name_axes(ax, x_label if lowest else "", y)
         if strip is not None:
             draw_stack(strip, panel.stack, names=last, faces=False)
             strip.tick_params(labelleft=False)
@@ -86,16 +89,16 @@ def _draw_panel(
         strip.remove()
         strip = None
     depth = panel.stack["depth"].values
-    every = max(1, len(depth) // MOST_MARKERS)
+    marker_step = max(1, len(depth) // MOST_MARKERS)
     for number, profile, lead in panel.lines:
         look = looks[number]
-        ax.plot(profile, depth, linewidth=1.1, markevery=every, **look)
+        ax.plot(profile, depth, linewidth=1.1, markevery=marker_step, **look)
         if strip is not None and lead is not None:
             _draw_core(strip, panel.stack, lead, look["color"])
-    for shown, ticks in ((ax, 4), (strip, 2)):
-        if shown is not None:
-            shown.axvline(panel.ambient, color=drawing.GREY, linewidth=0.8, linestyle=":")
-            shown.locator_params(axis="x", nbins=ticks)
+    for panel_axes, ticks in ((ax, 4), (strip, 2)):
+        if panel_axes is not None:
+            panel_axes.axvline(panel.ambient, color=drawing.GREY, linewidth=0.8, linestyle=":")
+            panel_axes.locator_params(axis="x", nbins=ticks)
     drawing.name_axes(ax, title=panel.title)
     return strip
 
@@ -104,8 +107,8 @@ def _same_kelvin(pairs: list[tuple[Axes, ProfilePanel]]) -> None:
     """Panels show the same number of kelvin, each from its own coldest."""
     ranges = []
     for ax, panel in pairs:
-        seen = [np.asarray(line.get_xdata(), dtype=float) for line in ax.get_lines()]
-        values = np.concatenate([*seen, [panel.ambient]])
+        temperatures = [np.asarray(line.get_xdata(), dtype=float) for line in ax.get_lines()]
+        values = np.concatenate([*temperatures, [panel.ambient]])
         ranges.append((float(values.min()), float(values.max())))
     span = max([0.1, *(high - low for low, high in ranges)])
     for (ax, _), (low, _) in zip(pairs, ranges, strict=True):
@@ -153,6 +156,7 @@ def draw_stack(ax: Axes, data: "xr.Dataset", *, names: bool, faces: bool = True)
 COLOURS = ("#0077BB", "#CC3311", "#009988", "#EE7733", "#33BBEE", "#EE3377", "#BBBBBB")
 
 
+@checked
 def overlay(results: Mapping[str, Any], title: str = "hysteresis loops") -> Figure:
     """Draw the loops of several results in one panel, one colour each.
 
@@ -176,13 +180,18 @@ def overlay(results: Mapping[str, Any], title: str = "hysteresis loops") -> Figu
     """
     if not results:
         raise InputError("no results to draw", "overlay()")
+    others = [name for name, result in results.items() if not hasattr(result, "plot")]
+    if others:
+        raise InputError([f'"{name}": must be a result' for name in others], "overlay()")
     figure, (ax,) = drawing.panels(1, 1, (6.0, 5.0), title)
     labels = ""
     for number, (name, result) in enumerate(results.items()):
         result.plot.loops(ax=ax, label=name, color=COLOURS[number % len(COLOURS)])
-        mine = f"{ax.get_ylabel()} against {ax.get_xlabel()}"
-        if labels and mine != labels:
-            raise InputError(f'"{name}" has loops of {mine}; the others have {labels}', "overlay()")
-        labels = mine
+        axis_labels = f"{ax.get_ylabel()} against {ax.get_xlabel()}"
+        if labels and axis_labels != labels:
+            raise InputError(
+                f'"{name}" has loops of {axis_labels}; the others have {labels}', "overlay()"
+            )
+        labels = axis_labels
     ax.legend(fontsize=drawing.SMALL, frameon=False)
     return figure

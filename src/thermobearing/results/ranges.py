@@ -15,7 +15,12 @@ import numpy as np
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
-from thermobearing.quantities.governing import largest_by, place_of_largest
+from thermobearing.quantities.governing import (
+    SLACK_KELVIN,
+    largest_by,
+    place_of_largest,
+    place_words,
+)
 
 Ends = tuple[float, float]
 FloatsOrNumber = Floats | float
@@ -30,7 +35,8 @@ EXTREME = 0.5  # part of the largest displacement above which an extreme counts
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
-OF_VALIDITY = (NOT_GIVEN, " tested (", "the temperature law was identified")
+BEYOND_TESTS = " tested ("
+OF_VALIDITY = (NOT_GIVEN, BEYOND_TESTS, "the range of the temperature law")
 TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
     "strain_rate": ("1/s", "strain rate", 1.0, "/s"),
@@ -52,24 +58,27 @@ def compared(
 
     `reached` has the value of each quantity, or its lowest and highest (NaN: none), `limits` the
     lowest and largest value that is allowed. Beyond `slack`, a part of the range (of its width or
-    upper end), the limit is passed; the row has the end that is farther out.
+    upper end; of temperatures 2 K at least), the limit is passed; the row has the end that is
+    farther out.
     """
     rows = []
     for name, (low, high) in limits.items():
-        given = reached.get(name, np.nan)
-        ends = given if isinstance(given, tuple) else (given, given)
+        slack_kelvin = SLACK_KELVIN if slack and units[name] == "degC" else 0.0
+        value = reached.get(name, np.nan)
+        ends = value if isinstance(value, tuple) else (value, value)
         if not np.isfinite(ends).all():
             continue
+        allowance = max(slack * max(high - low, abs(high)), slack_kelvin)
         below, above = low - ends[0], ends[1] - high
         rows.append(
             {
                 "run": run,
                 "limit": name,
                 "unit": units[name],
-                "asked": float(ends[0] if below > max(above, 0.0) else ends[1]),
+                "demand": float(ends[0] if below > max(above, 0.0) else ends[1]),
                 "lowest": float(low),
                 "largest": float(high),
-                "passed": bool(max(below, above) > slack * max(high - low, abs(high))),
+                "passed": bool(max(below, above) > allowance),
             }
         )
     return rows
@@ -89,14 +98,14 @@ def reached_by(
     Of times [s], displacements [mm], the largest speed [mm/s], the total rubber thickness [mm],
     the coldest and warmest ambient temperature and the temperatures of the lead [degC].
     """
-    found: dict[str, float | Ends] = {"ambient": ambient}
+    reached: dict[str, float | Ends] = {"ambient": ambient}
     if speed > 0.0:  # else the rubber is not loaded
-        found["strain"] = float(np.abs(displacement).max()) / rubber
-        found["strain_rate"] = speed / rubber
-        found["cycles"] = cycles_in_a_row(time, displacement)
+        reached["strain"] = float(np.abs(displacement).max()) / rubber
+        reached["strain_rate"] = speed / rubber
+        reached["cycles"] = cycles_in_a_row(time, displacement)
     if lead is not None and len(lead) and np.isfinite(lead).all():
-        found["lead_temperature"] = float(lead.min()), float(lead.max())
-    return found
+        reached["lead_temperature"] = float(lead.min()), float(lead.max())
+    return reached
 
 
 def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
@@ -108,6 +117,7 @@ def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
     if not len(large):
         return 0.0
     side, at = np.sign(displacement[large]), time[large]
+    # A change of side is half a cycle; after a rest the count begins again.
     rested = np.diff(at, prepend=at[0]) > REST
     turned = np.diff(side, prepend=0.0) != 0.0
     starts = np.flatnonzero(rested | (np.arange(len(at)) == 0))
@@ -120,10 +130,10 @@ def largest_speed(time: Floats, displacement: Floats) -> float:
     if len(time) < 2 or not len(large):
         return 0.0
     turns = large[np.flatnonzero(np.diff(np.sign(displacement[large]), prepend=0.0))]
-    apart = np.diff(turns) if len(turns) > 1 else np.array([len(time)])
-    lag = min(max(1, int(np.median(apart)) // 10), len(time) - 1)
-    moved = np.abs(displacement[lag:] - displacement[:-lag])
-    return float((moved / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
+    spacing = np.diff(turns) if len(turns) > 1 else np.array([len(time)])
+    lag = min(max(1, int(np.median(spacing)) // 10), len(time) - 1)
+    travel = np.abs(displacement[lag:] - displacement[:-lag])
+    return float((travel / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
 
 
 def compare_with_tests(
@@ -160,11 +170,12 @@ def extrapolation(rows: Iterable[Mapping[Any, Any]], *, only: Collection[str] = 
     limits = {item.limit: item for item in table.beyond}
     square = 0.0
     for row in rows:
-        limit, low, high, value = (row[k] for k in ("limit", "lowest", "largest", "asked"))
+        limit, low, high, value = (row[k] for k in ("limit", "lowest", "largest", "demand"))
         if not row["passed"] or limit not in limits or limit not in only:
             continue
         if limit == "ambient" and low == high:
             continue
+        # Temperatures of tests at one ambient say nothing on its influence, so no distance counts.
         distance = max(low - value, value - high)
         if limits[limit].ratio:
             end = low if value < low else high
@@ -177,14 +188,15 @@ def widened(
     low: FloatsOrNumber,
     high: FloatsOrNumber,
     middle: FloatsOrNumber,
-    more: FloatsOrNumber,
+    uncertainty: FloatsOrNumber,
     level: float,
 ) -> tuple[Any, Any]:
     """Return the ends of a band with another error, independent of it.
 
     `more` is its standard uncertainty over the middle, `level` the probability of the upper end.
     """
-    reach = NormalDist().inv_cdf(level) * np.abs(middle) * more
+    reach = NormalDist().inv_cdf(level) * np.abs(middle) * uncertainty
+    # Independent errors add by their squares, on each side of the middle for itself.
     below, above = np.maximum(middle - low, 0.0), np.maximum(high - middle, 0.0)
     return low - (np.hypot(below, reach) - below), high + (np.hypot(above, reach) - above)
 
@@ -198,24 +210,32 @@ def outside_tests(
 ) -> list[str]:
     """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
 
+    That with the largest effect on the force, as `extrapolation` estimates it, is the first.
     Without `ranges` one sentence says so; quantities in `skip` are left out.
     """
     if ranges is None:
-        return [f"{name}: {NOT_GIVEN} (tested_range in its file), so validity cannot be checked"]
-    runs, found = len({row["run"] for row in rows}), []
+        return [f"{name}: {NOT_GIVEN}; state tested_range in the bearing file to have it checked"]
+    runs = len({row["run"] for row in rows})
+    sentences: list[tuple[float, str]] = []  # the effect on the force, and the sentence
     ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
     for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):
         _, title, factor, unit = TESTED[limit]
         passed = [row for row in rows if row["limit"] == limit and row["passed"]]
-        if out := [row for row in passed if sign * (row["asked"] - row[end]) > 0]:
-            worst = out[place_of_largest([sign * row["asked"] for row in out])]
-            many = f"{len(out)} of {runs} runs, most: " if runs > 1 else ""
+        if out := [row for row in passed if sign * (row["demand"] - row[end]) > 0]:
+            worst = out[place_of_largest([sign * row["demand"] for row in out])]
             where = str(worst["run"]).removeprefix(f"{name}, ")
-            found.append(
-                f"{name}: {title} {factor * worst['asked']:.3g}{unit}, {side} the "
-                f"{factor * worst[end]:.3g}{unit} tested ({many}{where})"
+            place = place_words(len(out), runs, where)
+            text = (
+                f"{name}: {title} {factor * worst['demand']:.3g}{unit}, {side} the "
+                f"{factor * worst[end]:.3g}{unit} tested ({place})"
             )
-    return found
+            sentences.append((extrapolation([worst]), text))
+    return [text for _, text in sorted(sentences, key=lambda item: -item[0])]
+
+
+def runs_of(rows: Iterable[Mapping[Any, Any]]) -> set[str]:
+    """Return the runs that some rows are about: a run with several bearings has a row for each."""
+    return {str(run) for row in rows for run in row.get("runs", [row["run"]])}
 
 
 def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
@@ -224,14 +244,15 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     Most earthquakes exceed them, so this is a note and not a warning.
     """
     rates = [row for row in rows if row["limit"] == "strain_rate"]
-    out = [row for row in rates if row["passed"] and row["asked"] > row["largest"]]
+    out = [row for row in rates if row["passed"] and row["demand"] > row["largest"]]
     if not out:
         return ""
-    worst = largest_by(out, lambda row: float(row["asked"] / row["largest"]))
-    many = f"{len(out)} of {len(rates)} runs, most: " if len(rates) > 1 else ""
+    worst = largest_by(out, lambda row: float(row["demand"] / row["largest"]))
+    place = place_words(len(runs_of(out)), len(runs_of(rates)), str(worst["run"]))
     return (
-        f"strain rates reach {worst['asked']:.3g}/s, {worst['asked'] / worst['largest']:.3g} times "
-        f"the {worst['largest']:.3g}/s tested ({many}{worst['run']}); most earthquakes exceed the "
+        f"strain rates reach {worst['demand']:.2g}/s, "
+        f"{worst['demand'] / worst['largest']:.2g} times the largest rate tested, "
+        f"{worst['largest']:.2g}/s ({place}). Most earthquakes exceed the "
         "rates of bearing tests"
     )
 
@@ -241,32 +262,52 @@ def ring_note(rise: float) -> str:
     if not rise > WARM_LEAD:
         return ""
     return (
-        f"lead warms by up to {rise:.0f} K, and the rubber adjacent to a core nearly as much "
-        "(finite elements: 74 to 82 K where the mean of the layer rises by 2 K); rubber "
-        "temperatures are means over the plan, and damage of the adjacent rubber is not modelled"
+        f"lead warms by up to {rise:.0f} K, and the rubber at the core nearly as much. Rubber "
+        "temperatures are means of a layer, and damage of the rubber at the core is not modelled"
     )
+
+
+def names_by_sentence(sentences: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Return each sentence once, behind the names of all that have it.
+
+    >>> names_by_sentence([("a", "cold"), ("b", "warm"), ("c", "cold")])
+    [('a, c', 'cold'), ('b', 'warm')]
+    """
+    names: dict[str, list[str]] = {}
+    for name, sentence in sentences:
+        names.setdefault(sentence, []).append(name)
+    return [
+        (", ".join(same_sentence_names), sentence)
+        for sentence, same_sentence_names in names.items()
+    ]
 
 
 def one_per_cause(sentences: Iterable[tuple[str, str]]) -> list[str]:
     """Return one warning for each cause, whichever bearings or parts it concerns."""
-    found: dict[str, list[str]] = {}
-    for who, words in sentences:
-        found.setdefault(re.split(r"-?\d", words, maxsplit=1)[0], []).append(f"{who}: {words}")
-    return ["; ".join(same) for same in found.values()]
+    causes: dict[str, list[str]] = {}
+    for name, sentence in sentences:
+        causes.setdefault(re.split(r"-?\d", sentence, maxsplit=1)[0], []).append(
+            f"{name}: {sentence}"
+        )
+    return ["; ".join(warnings) for warnings in causes.values()]
 
 
 def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:
     """Return the warnings on the range behind a bearing's parameters, and the others."""
-    found: tuple[list[str], list[str]] = ([], [])
+    on_validity: list[str] = []
+    other_warnings: list[str] = []
     for text in warnings:
-        found[not any(words in text for words in OF_VALIDITY)].append(text)
-    return found
+        group = on_validity if any(words in text for words in OF_VALIDITY) else other_warnings
+        group.append(text)
+    return on_validity, other_warnings
 
 
 def largest_tested(rows: Iterable[Mapping[Any, Any]], run: str, limit: str) -> float:
     """Return the largest tested value of a quantity that a run exceeds; else infinity."""
-    mine = [row for row in rows if (row["run"], row["limit"]) == (run, limit)]
-    return min((float(r["largest"]) for r in mine if r["asked"] > r["largest"]), default=np.inf)
+    selected = [row for row in rows if (row["run"], row["limit"]) == (run, limit)]
+    return min(
+        (float(r["largest"]) for r in selected if r["demand"] > r["largest"]), default=np.inf
+    )
 
 
 def limits_passed(rows: Iterable[Mapping[Any, Any]], runs: Sequence[str]) -> list[str]:

@@ -3,11 +3,13 @@
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
-from thermobearing.border.errors import LONGEST_NAME, InputError, is_file, shortened
+from thermobearing.border.errors import LONGEST_NAME, InputError, shortened
 from thermobearing.border.lazy import pd, xr
+from thermobearing.border.opener import LARGEST_MEMBER, is_file, opened, read_json
 from thermobearing.results.directory import DATASET, FIGURES, IDENTIFIED, SUMMARY, check_seal
 from thermobearing.results.screen import table_html
 from thermobearing.results.writing import NETCDF, OTHERS
@@ -47,8 +49,8 @@ class SavedResult:
         return [str(text) for text in self.summary.get("warnings", [])]
 
     def __repr__(self) -> str:
-        held = ", ".join([*sorted(self.tables), *sorted(self.bearings)])
-        return f"<SavedResult of {self.command}: {self.outcome}; holds {held or 'no tables'}>"
+        names = ", ".join([*sorted(self.tables), *sorted(self.bearings)])
+        return f"<SavedResult of {self.command}: {self.outcome}; holds {names or 'no tables'}>"
 
     def _repr_html_(self) -> str:
         first = next(iter(self.tables), None)
@@ -66,18 +68,32 @@ def read_saved(path: str | Path) -> SavedResult:
     folder = Path(path)
     where = shortened(str(folder), LONGEST_NAME)
     try:
-        summary = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"summary.json cannot be read: {error}", where) from None
+        summary = read_json(folder / SUMMARY)
+    except InputError as error:
+        raise InputError(f"{SUMMARY} {error.problems[0]}", where) from None
     if not isinstance(summary, dict) or not set(summary) >= NEEDED:
         raise InputError(f"is not a result of thermobearing: {SUMMARY} has no command", where)
     tables = {}
     for file in sorted(folder.glob("*.csv")):
         try:
-            tables[file.stem] = pd.read_csv(file)
-        except (OSError, ValueError) as error:
-            raise InputError(f"{file.name} cannot be read: {error}", where) from None
+            tables[file.stem] = read_csv(file)
+        except InputError as error:
+            raise InputError(f"{file.name} {error.problems[0]}", where) from None
     return SavedResult(folder, summary, tables, sorted((folder / FIGURES).glob("*.png")))
+
+
+def read_csv(file: Path) -> "pd.DataFrame":
+    """Return a table of a result directory; InputError if it cannot be read."""
+    try:
+        with opened(file, LARGEST_MEMBER) as content:
+            # Tables of motions begin with comments on their record.
+            comments = sum(1 for _ in takewhile(lambda line: line.startswith(b"#"), content))
+            content.seek(0)
+            return pd.read_csv(content, skiprows=comments)
+    except InputError:
+        raise
+    except ValueError as error:  # no table, or no text
+        raise InputError(f"is not a table of a result: {error}", str(file)) from None
 
 
 def read_dataset(path: str | Path, attributes: Iterable[str]) -> "xr.Dataset":
@@ -98,8 +114,8 @@ def read_dataset(path: str | Path, attributes: Iterable[str]) -> "xr.Dataset":
     except (
         Exception
     ) as error:  # HDF5 raises many types for a file that was changed and sealed again
-        about = shortened(str(error) or type(error).__name__)
-        raise InputError(f"cannot be read: {about}", str(file)) from None
+        error_text = shortened(str(error) or type(error).__name__)
+        raise InputError(f"cannot be read: {error_text}", str(file)) from None
     missing = set(attributes) - set(dataset.attrs)
     if missing:
         raise InputError(f"is not a result of thermobearing: no {sorted(missing)}", str(file))

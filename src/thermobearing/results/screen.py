@@ -6,6 +6,7 @@ limit (unless COLUMNS is set), colours or frames.
 """
 
 import os
+import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -15,9 +16,21 @@ from rich.console import Console
 from rich.text import Text
 
 from thermobearing.quantities.tables import Table
+from thermobearing.results.ranges import parted
 
 GAP = "  "  # between two columns
 MOST_ROWS = 60  # of a table in a notebook
+MOST_WARNINGS = 3  # of a result on the screen, and of quantities outside one calibration range
+MORE = "and "  # begins the line that counts the others
+# Phrases of warnings, from those with the largest effect on a result: numbers that cannot be used,
+# limits that are exceeded, effects that were not tested, effects that are assumed. Others follow.
+EFFECTS = (
+    r"poor fit|not converge|ended as|ended early|failed|could not be served|inaccurate|"
+    r"poor agreement|off by up to|drifts|usual range",
+    r"the limit of|the limit is",
+    r" tested \(|temperature law|calibration range",
+    r"assum|viscous damping|actuator|first cycles|more than noise|cannot be determined|held at",
+)
 Row = Sequence[str]
 
 
@@ -27,10 +40,41 @@ def say(text: str, style: str = "") -> None:
     console.print(Text(text, style=style), soft_wrap=not console.is_terminal)
 
 
-def print_warnings(warnings: Iterable[str]) -> None:
-    """Print a paragraph for each warning."""
-    for warning in warnings:
-        say(f"warning: {warning}", "yellow")
+def shown_warnings(warnings: Iterable[str], most: int = MOST_WARNINGS) -> list[str]:
+    """Return the warnings of a result for the screen: one a cause, the largest effect first.
+
+    What is outside the calibration range of one bearing is one cause. Beyond `most`, the last line
+    says how many more there are; the files and the report of a result have all of them.
+
+    >>> shown_warnings(["y", "b: strain 3, above the 2 tested (a)", "z", "x: assumed", "z"], 2)[:2]
+    ['b: strain 3, above the 2 tested (a)', 'x: assumed']
+    """
+    of_range, others = parted(dict.fromkeys(warnings))
+    of_bearings: dict[str, list[str]] = {}
+    for text in of_range:
+        name, _, words = text.partition(": ")
+        of_bearings.setdefault(name, []).append(words)
+    causes = [f"{name}: {'; '.join(words[:most])}" for name, words in of_bearings.items()] + others
+    causes.sort(key=_effect)
+    left = sum(max(0, len(words) - most) for words in of_bearings.values())
+    left += max(0, len(causes) - most)
+    if not left:
+        return causes
+    more = f"{MORE}{left} more warning{'s' if left > 1 else ''}"
+    return [*causes[:most], f"{more}: summary.json and the report list all"]
+
+
+def _effect(warning: str) -> int:
+    """Return the place of a warning among `EFFECTS`; the smallest has the largest effect."""
+    places = (k for k, words in enumerate(EFFECTS) if re.search(words, warning))
+    return next(places, len(EFFECTS))
+
+
+def print_warnings(warnings: Iterable[str], *, all_of_them: bool = False) -> None:
+    """Print a paragraph for each warning that `shown_warnings` selects, or for each."""
+    texts = list(warnings)
+    for text in texts if all_of_them else shown_warnings(texts):
+        say(text if text.startswith(MORE) else f"warning: {text}", "yellow")
 
 
 def show_table(table: Table) -> None:
@@ -69,33 +113,39 @@ def _laid_out(heads: Row, rows: Sequence[Row], keys: int, width: int | None) -> 
     """Return the lines of each block of a table, no longer than `width` if possible."""
     cells = [[row[k] for row in rows] for k in range(len(heads))]
     columns = [[head, *column] for head, column in zip(heads, cells, strict=True)]
-    wide = [max(map(len, column)) for column in columns]
-    if width is not None and sum(wide) + len(GAP) * (len(wide) - 1) > width:
-        least = [max(map(len, [*head.split(), *c])) for head, c in zip(heads, cells, strict=True)]
-        lines = [textwrap.wrap(head, room) for head, room in zip(heads, least, strict=True)]
-        most = max(map(len, lines))
-        columns = [
-            [""] * (most - len(above)) + above + column
-            for above, column in zip(lines, cells, strict=True)
+    widths = [max(map(len, column)) for column in columns]
+    if width is not None and sum(widths) + len(GAP) * (len(widths) - 1) > width:
+        # Heads broken between words: a column is then as wide as its longest word or cell.
+        least_widths = [
+            max(map(len, [*head.split(), *c])) for head, c in zip(heads, cells, strict=True)
         ]
-        wide = least
+        lines = [
+            textwrap.wrap(head, width_of_head)
+            for head, width_of_head in zip(heads, least_widths, strict=True)
+        ]
+        height = max(map(len, lines))
+        columns = [
+            [""] * (height - len(head_lines)) + head_lines + column
+            for head_lines, column in zip(lines, cells, strict=True)
+        ]
+        widths = least_widths
     blocks: list[list[int]] = [[]]
-    taken = start = sum(w + len(GAP) for w in wide[:keys]) - len(GAP)
+    used_width = start = sum(w + len(GAP) for w in widths[:keys]) - len(GAP)
     for k in range(keys, len(heads)):
-        if width is not None and blocks[-1] and taken + len(GAP) + wide[k] > width:
+        if width is not None and blocks[-1] and used_width + len(GAP) + widths[k] > width:
             blocks.append([])
-            taken = start
+            used_width = start
         blocks[-1].append(k)
-        taken += len(GAP) + wide[k]
-    found = []
+        used_width += len(GAP) + widths[k]
+    block_lines = []
     for block in blocks:
         aligned = [
-            [text.ljust(wide[k]) if k < keys else text.rjust(wide[k]) for text in columns[k]]
+            [text.ljust(widths[k]) if k < keys else text.rjust(widths[k]) for text in columns[k]]
             for k in (*range(keys), *block)
         ]
         texts = [GAP.join(line).rstrip() for line in zip(*aligned, strict=True)]
-        found.append(texts[next(k for k, text in enumerate(texts) if text) :])
-    return found
+        block_lines.append(texts[next(k for k, text in enumerate(texts) if text) :])
+    return block_lines
 
 
 def print_facts(title: str, facts: dict[str, str]) -> None:
@@ -110,5 +160,5 @@ def print_facts(title: str, facts: dict[str, str]) -> None:
 def table_html(title: str, table: Any, notes: Iterable[str] = ()) -> str:
     """Return a titled DataFrame for a notebook, with sentences below it."""
     drawn = table.to_html(index=False, max_rows=MOST_ROWS, border=0, float_format="%.4g")
-    below = "".join(f"<p>{escape(note)}</p>" for note in notes)
+    below = "".join(f"<p>{escape(note)}</p>" for note in shown_warnings(notes))
     return f"<b>{escape(title)}</b>{drawn}{below}"

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.lazy import xr
+from thermobearing.border.units import refuse_hidden
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results.writing import as_attribute, from_attribute
@@ -21,39 +22,42 @@ def chosen_runs(labels: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[in
     if unknown:
         problems = [f'no label "{name}"{nearest(name, set(labels))}' for name in unknown]
         raise InputError(problems, "sel()")
-    found = np.ones(len(next(iter(labels.values()))), dtype=bool)
+    chosen = np.ones(len(next(iter(labels.values()))), dtype=bool)
     for name, values in wanted.items():
-        several = isinstance(values, list | tuple | set | np.ndarray)
-        mine = np.zeros(len(found), dtype=bool)
-        for value in values if several else [values]:
-            same = _same(labels[name], value)
-            if not same.any():
-                there = ", ".join(dict.fromkeys(f"{item}" for item in labels[name]))
-                raise InputError(f"no run with {name} = {value!r}; there are {there}", "sel()")
-            mine |= same
-        found &= mine
-    if not found.any():
-        raise InputError(f"no run has all of {dict(wanted)!r}", "sel()")
-    return [int(run) for run in np.flatnonzero(found)]
+        is_list = isinstance(values, list | tuple | set | np.ndarray)
+        matching = np.zeros(len(chosen), dtype=bool)
+        for value in values if is_list else [values]:
+            matches = _matches(labels[name], value)
+            if not matches.any():
+                available = ", ".join(dict.fromkeys(f"{item}" for item in labels[name]))
+                raise InputError(
+                    f"no run with {name} = {short_repr(value)}; there are {available}", "sel()"
+                )
+            matching |= matches
+        chosen &= matching
+    if not chosen.any():
+        raise InputError(f"no run has all of {short_repr(dict(wanted))}", "sel()")
+    return [int(run) for run in np.flatnonzero(chosen)]
 
 
-def _same(labels: Any, value: Any) -> Any:
-    there = np.asarray(labels)
-    if there.dtype.kind not in "fi":
-        return np.array([str(item) == str(value) for item in there])
+def _matches(labels: Any, value: Any) -> Any:
+    values = np.asarray(labels)
+    if values.dtype.kind not in "fi":
+        return np.array([str(item) == str(value) for item in values])
     try:
-        return np.isclose(there, float(value), rtol=CLOSE, atol=CLOSE)
-    except (TypeError, ValueError):
-        return np.zeros(len(there), dtype=bool)
+        refuse_hidden(value, "sel()")
+        return np.isclose(values, float(value), rtol=CLOSE, atol=CLOSE)
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(len(values), dtype=bool)
 
 
 def selected(
     data: "xr.Dataset", dimension: str, runs: list[int], names: Sequence[str]
 ) -> "xr.Dataset":
     """Return some runs of a dataset along a dimension, with their rows of the attributes."""
-    mine = {names[run] for run in runs}
+    run_names = {names[run] for run in runs}
     attributes = {
-        key: as_attribute([row for row in from_attribute(data, key) if row["run"] in mine])
+        key: as_attribute([row for row in from_attribute(data, key) if row["run"] in run_names])
         for key in REACHED
         if key in data.attrs
     }
@@ -63,36 +67,38 @@ def selected(
 def gridded(data: "xr.Dataset", names: list[str]) -> "xr.Dataset":
     """Return a dataset with labels as dimensions instead of `run`; NaN where there is no run."""
     orders = {name: list(dict.fromkeys(data[name].values.tolist())) for name in names}
-    others = [str(n) for n, c in data.coords.items() if c.dims == ("run",) and n not in names]
-    grid = data.drop_vars(others).set_index(run=names).unstack("run").reindex(orders)
+    unused_labels = [
+        str(n) for n, c in data.coords.items() if c.dims == ("run",) and n not in names
+    ]
+    grid = data.drop_vars(unused_labels).set_index(run=names).unstack("run").reindex(orders)
     for name in names:
         grid[name].attrs.update(data[name].attrs)
     return grid.transpose(*names, ...)
 
 
-def temperature_differences(place: str, found: Floats, expected: Floats) -> dict[str, float]:
+def temperature_differences(place: str, computed: Floats, expected: Floats) -> dict[str, float]:
     """Return the root mean square and the largest error of a temperature, with its sign [K]."""
-    error = found - expected
+    error = computed - expected
     return {
         f"{place} rms K": float(np.sqrt(np.mean(error**2))),
         f"{place} largest K": float(error[place_of_largest(np.abs(error))]),
     }
 
 
-def force_differences(found: Floats, expected: Floats) -> dict[str, float]:
+def force_differences(computed: Floats, expected: Floats) -> dict[str, float]:
     """Return the root mean square error of a force and that of its peak, of the peak [%]."""
     peak = float(np.abs(expected).max())
-    rms = float(np.sqrt(np.mean((found - expected) ** 2)))
-    return {"force rms %": _percent(rms, peak), "peak force %": more(np.abs(found).max(), peak)}
+    rms = float(np.sqrt(np.mean((computed - expected) ** 2)))
+    return {"force rms %": _percent(rms, peak), "peak force %": more(np.abs(computed).max(), peak)}
 
 
 def _percent(part: float, total: float) -> float:
     return 100.0 * part / total if total else float("nan")
 
 
-def more(found: float, expected: float) -> float:
+def more(computed: float, expected: float) -> float:
     """Return how much a number is larger than expected [%]; NaN if that is zero."""
-    return _percent(float(found) - float(expected), float(expected))
+    return _percent(float(computed) - float(expected), float(expected))
 
 
 def layer_names(count: int, half: bool) -> list[str]:

@@ -32,8 +32,8 @@ TO_SCALE = math.inf
 
 def duration(seconds: float) -> str:
     """Return a duration [s] as text in a suitable unit."""
-    for size, unit, most in ((1.0, "s", 120.0), (60.0, "min", 3600.0), (3600.0, "h", 360e3)):
-        if seconds < most:
+    for size, unit, limit in ((1.0, "s", 120.0), (60.0, "min", 3600.0), (3600.0, "h", 360e3)):
+        if seconds < limit:
             return f"{seconds / size:.3g} {unit}"
     return f"{seconds / 86400.0:.3g} d"
 
@@ -83,6 +83,7 @@ class Stretch:
 
 def _bend(longest: float, room: float) -> float:
     """Tau with tau ln(1 + longest/tau) = room: drawn to scale at first, and filling the room."""
+    # tau ln(1 + longest/tau) increases with tau: bisection of ln(tau), of any magnitude.
     low, high = math.log(room) - 50.0, math.log(longest)
     for _ in range(80):
         middle = 0.5 * (low + high)
@@ -94,9 +95,9 @@ def _bend(longest: float, room: float) -> float:
 class DrawnAxis:
     """Stretches of a test side by side; with `cut`, without the long rests."""
 
-    def __init__(self, found: list[Stretch], *, cut: bool = False) -> None:
+    def __init__(self, stretches: list[Stretch], *, cut: bool = False) -> None:
         self.cut = cut
-        self.stretches = self._arranged(found)
+        self.stretches = self._arranged(stretches)
         self.end = self.stretches[-1].right or 1.0
         self.unit, self.unit_name = self._chosen_unit()
 
@@ -105,64 +106,64 @@ class DrawnAxis:
         """The rests that are not drawn to scale."""
         return [s for s in self.stretches if s.shortened]
 
-    def _arranged(self, found: list[Stretch]) -> list[Stretch]:
+    def _arranged(self, stretches: list[Stretch]) -> list[Stretch]:
         """Return the stretches side by side, rests that are too long for their room shortened."""
-        moving = sum(s.longest for s in found if not s.rest)
-        room = moving * min(REST_SHARE, RESTS_SHARE / max(sum(s.rest for s in found), 1))
-        room *= CUT_SHARE if self.cut else 1.0
+        moving = sum(s.longest for s in stretches if not s.rest)
+        rest_width = moving * min(REST_SHARE, RESTS_SHARE / max(sum(s.rest for s in stretches), 1))
+        rest_width *= CUT_SHARE if self.cut else 1.0
         placed, left = [], 0.0
-        for s in found:
-            shortened = s.rest and 0.0 < room < s.longest
-            width = room if shortened else s.longest
+        for s in stretches:
+            shortened = s.rest and 0.0 < rest_width < s.longest
+            width = rest_width if shortened else s.longest
             bend = _bend(s.longest, width) if shortened else TO_SCALE
             placed.append(replace(s, left=left, width=width, bend=bend))
             left += width
         return placed
 
     def _chosen_unit(self) -> tuple[float, str]:
-        for most, size, name in ((1200.0, 1.0, "s"), (18e3, 60.0, "min"), (7e5, 3600.0, "h")):
-            if self.end <= most:
+        for limit, size, name in ((1200.0, 1.0, "s"), (18e3, 60.0, "min"), (7e5, 3600.0, "h")):
+            if self.end <= limit:
                 return size, name
         return 86400.0, "d"
 
     def _blocks(self) -> list[tuple[float, float]]:
         """Return left and right end of what is drawn to scale without a break."""
-        found: list[tuple[float, float]] = []
+        blocks: list[tuple[float, float]] = []
         for s in self.stretches:
             if not s.shortened:
-                first = found.pop()[0] if found and found[-1][1] == s.left else s.left
-                found.append((first, s.right))
-        return found
+                first = blocks.pop()[0] if blocks and blocks[-1][1] == s.left else s.left
+                blocks.append((first, s.right))
+        return blocks
 
     def set_ticks(
         self, ax: Axes, *, labels: bool = True, in_rests: bool = True, most: int = 20
     ) -> None:
         """About so many from the starts of loadings, and round times within shortened rests."""
-        most = max(round(most / self._narrower(ax)), 3)
-        round_steps = MaxNLocator(nbins=most, steps=[1, 2, 2.5, 5, 10])
+        count = max(round(most / self._narrower(ax)), 3)
+        round_steps = MaxNLocator(nbins=count, steps=[1, 2, 2.5, 5, 10])
         ticks = round_steps.tick_values(0.0, self.end / self.unit)
         step = float(ticks[1] - ticks[0])
-        found = [
+        positions = [
             (left + self.unit * k * step, f"{k * step:g}")
             for left, right in self._blocks()
             for k in range(int((right - left) / self.unit / step + 1e-6) + 1)
         ]
-        ax.set_xticks([x for x, _ in found], [name if labels else "" for _, name in found])
+        ax.set_xticks([x for x, _ in positions], [name if labels else "" for _, name in positions])
         ax.set_xlim(0.0, self.end)
         if in_rests and not self.cut:
             self._set_rest_ticks(ax, labels)
 
     def _set_rest_ticks(self, ax: Axes, labels: bool) -> None:
-        found: list[tuple[float, str]] = []
-        apart = 0.013 * self._narrower(ax) * self.end  # room of one upright label
+        positions: list[tuple[float, str]] = []
+        label_width = 0.013 * self._narrower(ax) * self.end  # room of one upright label
         for s in self.shortened:
-            free_from = s.left + apart
+            free_from = s.left + label_width
             for seconds, name in REST_TICKS.items():
                 x = float(s.place(np.array(seconds)))
-                if free_from < x < s.right - apart:
-                    found.append((x, name if labels else ""))
-                    free_from = x + apart
-        ax.set_xticks([x for x, _ in found], [name for _, name in found], minor=True)
+                if free_from < x < s.right - label_width:
+                    positions.append((x, name if labels else ""))
+                    free_from = x + label_width
+        ax.set_xticks([x for x, _ in positions], [name for _, name in positions], minor=True)
         look: Look = {"labelrotation": 90, "labelsize": SMALLEST, "labelcolor": GREY}
         ax.tick_params(which="minor", color=GREY, **look)
 
@@ -181,8 +182,8 @@ class DrawnAxis:
         """Draw a shaded band over each shortened rest, and above it how long it was."""
         for s in self.shortened:
             ax.axvspan(s.left, s.right, color=PALE, zorder=0)
-            room = s.width / (LETTER * self._narrower(ax) * self.end)
-            fitting = [text for text in (s.label(), s.label()[:-5]) if len(text) < room]
+            letter_count = s.width / (LETTER * self._narrower(ax) * self.end)
+            fitting = [text for text in (s.label(), s.label()[:-5]) if len(text) < letter_count]
             if labels and fitting:
                 write_above(ax, s.middle, fitting[0], GREY, "normal")
 

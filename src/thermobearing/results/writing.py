@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from thermobearing.border.lazy import pd, xr
+from thermobearing.border.units import NUMBER
 from thermobearing.quantities.register import registered_quantities
 from thermobearing.results.directory import SUMMARY
 
@@ -23,7 +24,7 @@ from thermobearing.results.directory import SUMMARY
 WITHOUT_CASE = {"identify", "validate", "lambda", "bounds"}
 WITHOUT_CASE |= {"motions show", "motions make", "motions spectrum"}
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of formulas in spreadsheets
-SIGNED = re.compile(r"-+|[-+]\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?: [^\W\d]*%?)?")  # "-20 degC"
+SIGNED = re.compile(rf"-+|{NUMBER}(?: [^\W\d]*%?)?")  # "-20 degC"
 DIGITS = "%.7g"  # in tables; the netCDF file has them all
 FEW = 1000  # numbers below which compression has no benefit
 NETCDF = threading.Lock()  # HDF5 crashes where two threads use it
@@ -80,8 +81,8 @@ def _command_line() -> str | None:
 
 def write_summary(folder: Path, content: dict[str, Any]) -> None:
     """Write summary.json into a folder; with the command line where no case is written."""
-    if content.get("command") in WITHOUT_CASE and (typed := _command_line()):
-        content = content | {"command_line": typed}
+    if content.get("command") in WITHOUT_CASE and (command_line := _command_line()):
+        content = content | {"command_line": command_line}
     content = without_nan(without_rounding(content))
     text = json.dumps(content, indent=2, allow_nan=False, ensure_ascii=False)
     # A file name that is no text keeps its bytes as lone surrogates; JSON has an escape for them.
@@ -94,6 +95,7 @@ def write_csv(path: Path, table: "pd.DataFrame", *, below: bool = False) -> None
     Numbers are converted to text here: pandas checks each for missing values, which is slower.
     """
     table = without_formulas(clear_rounding(table))
+    # Only NaN differs from itself; its cell is empty.
     texts = {
         str(name): ["" if value != value else DIGITS % value for value in column.tolist()]
         for name, column in table.items()
@@ -108,11 +110,11 @@ def without_formulas(table: "pd.DataFrame") -> "pd.DataFrame":
     Names come from files of others; `=HYPERLINK(...)` would be carried out. Such text gets an
     apostrophe in front; numbers with a sign and a unit ("-20 degC") stay as they are.
     """
-    found = table.rename(columns=_no_formula)
-    for name, column in found.items():
+    escaped = table.rename(columns=_no_formula)
+    for name, column in escaped.items():
         if column.dtype.kind not in "biufcmM" and column.map(_is_formula).any():
-            found[name] = column.map(_no_formula)
-    return found
+            escaped[name] = column.map(_no_formula)
+    return escaped
 
 
 def _is_formula(value: Any) -> bool:
@@ -148,8 +150,13 @@ def labelled_dataset(
 
 def labelled_variable(name: str, item: Any) -> Any:
     """Return an array, or (dimensions, array, attributes), as a variable of xarray."""
-    dims, array, attributes = (*item, None)[:3] if isinstance(item, tuple) else (name, item, None)
-    dims, values = (dims,) if isinstance(dims, str) else tuple(dims), np.asarray(array)
+    dims: Any = name
+    array, attributes = item, None
+    if isinstance(item, tuple):
+        dims, array = item[:2]
+        attributes = item[2] if len(item) > 2 else None
+    dims = (dims,) if isinstance(dims, str) else tuple(dims)
+    values = np.asarray(array)
     if dims != (name,):
         return xr.Variable(dims, values, attributes, fastpath=True)
     if values.dtype.kind == "U":  # pandas would make objects of them
@@ -166,11 +173,15 @@ def write_dataset(dataset: "xr.Dataset", path: Path) -> None:
     Attributes whose names hold the name of a thing, which netCDF may not take ("HDR 1/6"), are
     written as one; `read_dataset` takes them apart.
     """
-    unfit = {name: value for name, value in dataset.attrs.items() if not NETCDF_NAME.match(name)}
-    if unfit:
-        fit = {name: value for name, value in dataset.attrs.items() if name not in unfit}
+    unsupported = {
+        name: value for name, value in dataset.attrs.items() if not NETCDF_NAME.match(name)
+    }
+    if unsupported:
+        supported = {
+            name: value for name, value in dataset.attrs.items() if name not in unsupported
+        }
         dataset = dataset.copy(deep=False)
-        dataset.attrs = fit | {OTHERS: json.dumps(unfit)}
+        dataset.attrs = supported | {OTHERS: json.dumps(unsupported)}
     _reserve(path, dataset.nbytes + NETCDF_EXTRA)
     numbers = [name for name, values in dataset.variables.items() if values.dtype.kind in "fi"]
     large = [name for name in numbers if dataset.variables[name].size > FEW]

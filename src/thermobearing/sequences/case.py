@@ -12,6 +12,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.cases import absolute, load_all, load_things, read_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import Strict, in_unit, overridden
+from thermobearing.border.title import case_table
 from thermobearing.border.toml import to_toml
 from thermobearing.cyclic import protocol
 from thermobearing.cyclic.case import DEFAULT_BEARING, Analysis, Case, Rig, Temperature, load_rig
@@ -26,13 +27,12 @@ from thermobearing.earthquake.motions import Motion, settle_motions
 from thermobearing.model.effort import too_much
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelOptions
-from thermobearing.report.title import case_table
 from thermobearing.structure.model import Structure, load_structure
 from thermobearing.structure.run import Method
 
 MOST_PARTS = 50
-THINGS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
-OWN = {"bearing", "bearings"}  # keys of the specimen, not of a part
+LOADERS = {"bearing": load_bearing, "rig": load_rig}  # that a case names
+SPECIMEN_KEYS = {"bearing", "bearings"}  # keys of the specimen, not of a part
 Name = Annotated[str, Field(max_length=60)]
 
 
@@ -63,8 +63,8 @@ class RestPart(Part):
     within: Annotated[float, in_unit("K"), Field(ge=1e-6, le=1000)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        return protocol.Rest._conflicts(given)
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        return protocol.Rest._conflicts(values)
 
     def test(self) -> protocol.CyclicTest:
         """Return the displacement test of the part."""
@@ -157,57 +157,63 @@ class SequenceCase(Strict):
 
     def faults(self) -> list[str]:
         """Return errors in the combination of parts and specimen."""
-        found = [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
-        rubber, at, total = self.bearing.total_rubber_thickness, 0.0, 0.0
-        known = True
+        messages = [f"analysis.{text}" for text in self.analysis.misfits(self.bearing)]
+        rubber_thickness, displacement, total_steps = self.bearing.total_rubber_thickness, 0.0, 0.0
+        displacement_known = True
         for number, part in enumerate(self.parts):
             if isinstance(part, HybridPart):
-                found += [f"parts[{number}]: {text}" for text in self._hybrid_faults(number)]
-                known = self.between == "unloaded"
+                messages += [f"parts[{number}]: {text}" for text in self._hybrid_faults(number)]
+                # After unloading the instruments are zeroed: the next part starts from zero.
+                displacement_known = self.between == "unloaded"
                 continue
             test = part.test()
             moving = [step for step in test.steps if not isinstance(step, protocol.Rest)]
-            if not known and moving and not isinstance(moving[0], protocol.Ramp):
-                found.append(
+            if not displacement_known and moving and not isinstance(moving[0], protocol.Ramp):
+                messages.append(
                     f"parts[{number}]: the displacement after a hybrid test is not known in "
                     "advance; begin with a ramp, such "
                     'as { step = "ramp", to = "0 mm", speed = "1 mm/s" }, or omit between'
                 )
-                known = True
+                displacement_known = True
             if test.in_plane:
-                found.append(f"parts[{number}]: a path in the plane cannot be part of a sequence")
+                messages.append(
+                    f"parts[{number}]: a path in the plane cannot be part of a sequence"
+                )
                 continue
-            faults, steps = protocol.survey(test, rubber, at)
-            found += [f"parts[{number}].{text}" for text in faults]
-            known, total = known or bool(moving), total + steps
-            at = 0.0 if self.between == "unloaded" else _end_state_at(test, rubber, at)
+            faults, steps = protocol.survey(test, rubber_thickness, displacement)
+            messages += [f"parts[{number}].{text}" for text in faults]
+            total_steps += steps
+            displacement_known = displacement_known or bool(moving)
+            if self.between == "as-left":
+                displacement = _end_displacement(test, rubber_thickness, displacement)
         cells = len(self.analysis.build_stack(self.bearing).part)
-        return found or too_much(total, cells, total / self.analysis.keep_every * 3 * cells)
+        kept_steps = total_steps / self.analysis.keep_every
+        return messages or too_much(total_steps, cells, kept_steps * 3 * cells)
 
     def _hybrid_faults(self, number: int) -> list[str]:
         """Return the errors of a hybrid part as a separate analysis."""
         case = self.whole_part(number, None)
         assert isinstance(case, EarthquakeCase)
         lines = len(case.structure.bearings)
-        found = (
-            []
-            if lines == 1
-            else [f"the structure has {lines} bearing lines; it must have exactly one"]
-        )
-        return [*found, *case.faults(), *case.motion_faults([case.motions[0].load()])]
+        faults: list[str] = []
+        if lines != 1:
+            faults.append(f"the structure has {lines} bearing lines; it must have exactly one")
+        return [*faults, *case.faults(), *case.motion_faults([case.motions[0].load()])]
 
 
-def _end_state_at(test: protocol.CyclicTest, rubber: float, at: float) -> float:
-    """Return the displacement after a test that begins at `at` [mm]."""
+def _end_displacement(
+    test: protocol.CyclicTest, rubber_thickness: float, displacement: float
+) -> float:
+    """Return the displacement after a test that begins at `displacement` [mm]."""
     for step in test.steps:
         if isinstance(step, protocol.Ramp):
-            at = step.target(rubber)
+            displacement = step.target(rubber_thickness)
         elif isinstance(step, protocol.Cycles):
-            at = 0.0
+            displacement = 0.0
         elif isinstance(step, protocol.Recorded):
             with contextlib.suppress(InputError):  # reported by the survey
-                at = float(step.points(None)[1][-1])
-    return at
+                displacement = float(step.points(None)[1][-1])
+    return displacement
 
 
 def make_sequence_case(
@@ -215,8 +221,8 @@ def make_sequence_case(
 ) -> SequenceCase:
     """Check a case from a table, whose paths are relative to `folder`, and overrides by key."""
     table = {"ambient": "23 degC", "bearing": DEFAULT_BEARING} | table
-    table, given, faults = load_all(table, overrides, THINGS, folder)
-    table = overridden(table, given, SequenceCase, {"analysis": SequenceAnalysis})
+    table, replacements, faults = load_all(table, overrides, LOADERS, folder)
+    table = overridden(table, replacements, SequenceCase, {"analysis": SequenceAnalysis})
     if isinstance(table.get("parts"), list):
         table["parts"] = [
             _settle_part(faults, f"parts[{k}]", part, folder)
@@ -237,22 +243,25 @@ def _settle_part(faults: list[str], key: str, part: Any, folder: Path) -> Any:
     """Return a part with defaults, its structure and motion loaded, its files absolute."""
     if not isinstance(part, dict):
         return part
-    for name in sorted(OWN & set(part)):
+    for name in sorted(SPECIMEN_KEYS & set(part)):
         faults.append(
             f"{key}.{name} = {part[name]!r}: all parts use the same specimen; give the bearing "
             "once, outside the parts, or run tests of other bearings separately"
         )
-    part = {name: value for name, value in part.items() if name not in OWN}
+    part = {name: value for name, value in part.items() if name not in SPECIMEN_KEYS}
     steps = part.get("steps")
     for step in steps if isinstance(steps, list) else []:
         absolute(step, "file", folder)
     if part.get("part") != "hybrid":
         return part
-    usual = DEFAULTS["hybrid"]
-    part = {"motion": usual["motions"][0], "duration": usual["duration"]} | part
+    defaults = DEFAULTS["hybrid"]
+    part = {"motion": defaults["motions"][0], "duration": defaults["duration"]} | part
     faults += load_things(part, "structure", load_structure, folder, before=f"{key}.")
-    part.setdefault("structure", load_structure(usual["structure"]))
-    (motion, *more), _, found = settle_motions([part["motion"]], folder, f"{key}.motion")
-    found += [f"{key}.motion: has several angles; a test has one"] if more else []
-    faults += found
+    part.setdefault("structure", load_structure(defaults["structure"]))
+    (motion, *rotated_motions), _, motion_faults = settle_motions(
+        [part["motion"]], folder, f"{key}.motion"
+    )
+    faults += motion_faults
+    if rotated_motions:
+        faults.append(f"{key}.motion: has several angles; a test has one")
     return part | {"motion": motion}

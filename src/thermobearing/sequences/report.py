@@ -5,11 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import thermobearing
+from thermobearing import reported
 from thermobearing.border.lazy import pd
-from thermobearing.cyclic import reported
 from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
 from thermobearing.cyclic.result import Result
@@ -17,9 +15,10 @@ from thermobearing.earthquake.measures import BEARING
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import change, counted, identity_rows, number, quantity, tidy
 from thermobearing.report import content
-from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
-from thermobearing.report.words import change, counted, identity_rows, number, quantity, tidy
+from thermobearing.report.figures import plot_from_axes
+from thermobearing.report.pieces import Check, Pieces, ReportFigure
 from thermobearing.results import drawing
 from thermobearing.sequences.case import SequenceAnalysis
 from thermobearing.sequences.result import SequenceResult
@@ -27,7 +26,7 @@ from thermobearing.structure.report import structure_table
 
 BETWEEN = {  # the rig, after each part
     "unloaded": "After each part the specimen is unloaded to zero force and its instruments are "
-    "zeroed there; neither Z nor the force of lead relaxes in a rest.",
+    "zeroed there; the rubber and the lead keep their force in a rest.",
     "as-left": "After each part the specimen is held at its displacement and force: neither Z nor "
     "the force of lead relaxes in a rest, so the next part begins with an offset.",
 }
@@ -107,12 +106,14 @@ def _answer(result: SequenceResult) -> list[str]:
     early = reported.early_end("The sequence", part, result)
     table, rubber = result.table, result.case.bearing.total_rubber_thickness
     force = table[["force_max_kN", "force_min_kN"]].abs().max(axis=1)
-    far = table["displacement_max_mm"]
-    pushed, moved = place_of_largest(force), place_of_largest(far)
+    displacement = table["displacement_max_mm"]
+    force_row, displacement_row = place_of_largest(force), place_of_largest(displacement)
+    percent = 100.0 * displacement[displacement_row] / rubber
     governing = (
-        f"Of {counted(len(table), 'part')}, the largest force is {number(force[pushed], '.4g')} kN "
-        f"({table['part'][pushed]}) and the largest shear strain {100.0 * far[moved] / rubber:.0f} "
-        f"% ({table['part'][moved]}); the specimen takes {KJ * table['energy_kN_mm'].sum():.1f} kJ."
+        f"Of {counted(len(table), 'part')}, the largest force is "
+        f"{number(force[force_row], '.4g')} kN ({table['part'][force_row]}) and the largest shear "
+        f"strain {percent:.0f} % ({table['part'][displacement_row]}); the specimen takes "
+        f"{KJ * table['energy_kN_mm'].sum():.1f} kJ."
     )
     return [*early, governing, _memory(table, force)]
 
@@ -133,13 +134,13 @@ def _memory(table: "pd.DataFrame", force: "pd.Series[Any]") -> str:
     ends = [name for name in map(str, table) if name.endswith("_end_degC")]
     layers = [name for name in ends if name.startswith("rubber")]
     stems = {layers[-1].removesuffix("_end_degC"): "innermost rubber"} if layers else {}
-    for stem, what in (stems | {"lead": "lead"}).items():
+    for stem, part_name in (stems | {"lead": "lead"}).items():
         if f"{stem}_end_degC" in table:
             start, end = (table[f"{stem}_{name}_degC"].to_numpy() for name in ("start", "end"))
-            most = place_of_largest(end - start)
+            warmest = place_of_largest(end - start)
             words.append(
-                f"the {what} warms most in {table['part'][most]}, from {number(start[most])} to "
-                f"{number(end[most])} °C"
+                f"the {part_name} warms most in {table['part'][warmest]}, from "
+                f"{number(start[warmest])} to {number(end[warmest])} °C"
             )
     text = "; ".join(words) or "temperatures were not stored"
     return tidy(f"{text[:1].upper()}{text[1:]}")
@@ -163,56 +164,52 @@ def _checks(result: SequenceResult, case: Case) -> list[Check]:
 
     rig = str(case.get("rig", {}).get("name", "rig"))
     hybrid = {result.case.label(k) for k, p in enumerate(result.parts) if not isinstance(p, Result)}
-    found = content.limit_checks(_rows(result.rig), content.RIG, f"rig {rig}")
+    checks = content.limit_checks(_rows(result.rig), content.RIG, f"rig {rig}")
     tested = _rows(result.tested_range)
+    # As of earthquakes, the strain rates of hybrid parts are no limit (`content.IN_EARTHQUAKES`).
     tested = [r for r in tested if r["limit"] != "strain_rate" or r["run"] not in hybrid]
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
-    return found + content.limit_checks(tested, content.TESTS, source)
+    return checks + content.limit_checks(tested, content.TESTS, source)
 
 
 def _inputs(result: SequenceResult, case: Case) -> dict[str, Table]:
-    own: dict[str, dict[str, str]] = {}  # sources of numbers in files of parts
+    file_sources: dict[str, dict[str, str]] = {}  # sources of numbers in files of parts
     for part in result.parts:
-        own |= tomllib.loads(part.dataset.attrs["case"]).get("sources", {})
+        file_sources |= tomllib.loads(part.dataset.attrs["case"]).get("sources", {})
     rows = []
     for k, part in enumerate(case["parts"], 1):
         step = quantity(part["dt"]) if "dt" in part else ""
         rows.append((k, _words_of_part(part), quantity(part.get("ambient", case["ambient"])), step))
     heads = ("Test", "Ambient", "Time step")
     columns = (Quantity("Part", form="d"), *(Quantity(head) for head in heads))
-    found = {"sequence": Table(f"Sequence: {case['name']}", columns, rows)}
-    found |= reported.bearing_tables(case["bearing"], own.get(str(case["bearing"]["name"])))
+    tables = {"sequence": Table(f"Sequence: {case['name']}", columns, rows)}
+    tables |= reported.bearing_tables(
+        case["bearing"], file_sources.get(str(case["bearing"]["name"]))
+    )
     for part in case["parts"]:
         if "structure" in part:
             name = str(part["structure"]["name"])
-            found.setdefault(f"structure.{name}", structure_table(part["structure"], own.get(name)))
+            tables.setdefault(
+                f"structure.{name}", structure_table(part["structure"], file_sources.get(name))
+            )
     if "rig" in case:
-        found["rig"] = rig_table(case["rig"], own.get(case["rig"].get("name")))
-    found["analysis"] = reported.analysis_table(case["analysis"], SequenceAnalysis())
-    return found
+        tables["rig"] = rig_table(case["rig"], file_sources.get(case["rig"].get("name")))
+    tables["analysis"] = reported.analysis_table(case["analysis"], SequenceAnalysis())
+    return tables
 
 
 def _figures(result: SequenceResult) -> dict[str, ReportFigure]:
-    loops: dict[str, list[Trace]] = {}
-    warm: dict[str, list[Trace]] = {}
-    for number_ in range(len(result.parts)):
-        frame, label = result.history(number_), result.case.label(number_)
-        values = {str(name): frame[name].to_numpy(dtype=np.float64) for name in frame}
-        loops[label] = [Trace(label, values["displacement_mm"], values["force_kN"], drawing.INK)]
-        warm[label] = []
-        for place, (name, colour) in drawing.temperature_looks(values).items():
-            line = "dashed" if name == "lead" else "line"
-            warm[label].append(Trace(name, values["time_s"], values[place], colour, line))
-    found = {
-        "sequence": ReportFigure(
-            "Force over displacement, and temperatures over time, a column for each part.",
-            draw=result.plot.sequence,
-            plot=Plot("displacement [mm]", "force [kN]", loops),
-        )
+    captions = content.figure_captions("sequence")
+    labels = [result.case.label(k) for k in range(len(result.parts))]
+    with drawing.every_point():
+        axes = result.plot.sequence().axes
+    loops, temperatures = (
+        plot_from_axes(dict(zip(labels, row, strict=True)))
+        for row in (axes[: len(labels)], axes[len(labels) :])
+    )
+    figures = {
+        "sequence": ReportFigure(captions["sequence"], draw=result.plot.sequence, plot=loops)
     }
-    if any(warm.values()):
-        found["temperatures"] = ReportFigure(
-            "Temperatures of rubber layers and lead in each part.",
-            plot=Plot("time [s]", "temperature [°C]", {k: v for k, v in warm.items() if v}),
-        )
-    return found
+    if temperatures.choices:
+        figures["temperatures"] = ReportFigure(captions["temperatures"], plot=temperatures)
+    return figures

@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 
 import thermobearing
-from thermobearing.border.errors import InputError, is_file
+from thermobearing.bearing.state import state_attribute, states_table
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
+from thermobearing.border.opener import is_file
 from thermobearing.cyclic.result import Result as CyclicResult
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
@@ -16,24 +19,28 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
-from thermobearing.results.ranges import MARKED, TESTED, one_per_cause
+from thermobearing.results.ranges import MARKED, TESTED, names_by_sentence, one_per_cause
 from thermobearing.results.saved import read_dataset
 from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
 
 PartResult = CyclicResult | EarthquakeResult
 COLUMNS: tuple[str | Quantity, ...] = (
-    *("part", "kind", "ambient_degC"),
+    "part",
+    "kind",
+    "ambient_degC",
     quantity("duration_s", head="Duration"),
     "displacement_end_mm",
     quantity("displacement_max_mm", head="Displacement"),
     "strain_max",
     "force_start_kN",
     quantity("force_max_kN", head="Largest force", form=".1f"),
-    *("force_min_kN", "energy_kN_mm"),
+    "force_min_kN",
+    "energy_kN_mm",
 )
 
 
+@checked
 class SequenceResult(Result):
     """The result of a sequence of tests on one specimen.
 
@@ -70,8 +77,9 @@ class SequenceResult(Result):
     @property
     def outcome(self) -> str:
         """Outcome: "completed", or the outcome of the part that ended early."""
-        ended = self._ended.outcome if self._ended else COMPLETED
-        return INTERRUPTED if self.interrupted else ended
+        if self.interrupted:
+            return INTERRUPTED
+        return self._ended.outcome if self._ended else COMPLETED
 
     @property
     def sentence(self) -> str:
@@ -80,9 +88,13 @@ class SequenceResult(Result):
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of the parts."""
-        parts = enumerate(self.parts)
-        return one_per_cause((self.case.label(k), w) for k, part in parts for w in part.warnings)
+        """Warnings of the parts; one that several parts have names them all."""
+        warnings = (
+            (self.case.label(k), text)
+            for k, part in enumerate(self.parts)
+            for text in part.warnings
+        )
+        return one_per_cause(names_by_sentence(warnings))
 
     def history(self, number: int) -> "pd.DataFrame":
         """Return the time [s], displacement [mm], force [kN] and temperatures [degC] of a part.
@@ -113,13 +125,14 @@ class SequenceResult(Result):
         """One row per part: temperatures at start and end, largest responses, outcome."""
         rows = []
         for number, part in enumerate(self.parts):
-            history, spec = self.history(number), self.case.parts[number]
+            history, case_part = self.history(number), self.case.parts[number]
+            ambient = self.case.ambient if case_part.ambient is None else case_part.ambient
             first, last = history.iloc[0], history.iloc[-1]
             energy = part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))
             row: dict[str, Any] = {
                 "part": self.case.label(number),
-                "kind": spec.part,
-                "ambient_degC": self.case.ambient if spec.ambient is None else spec.ambient,
+                "kind": case_part.part,
+                "ambient_degC": ambient,
                 "outcome": part.outcome,
                 "duration_s": last["time_s"],
                 "displacement_max_mm": history["displacement_mm"].abs().max(),
@@ -140,32 +153,36 @@ class SequenceResult(Result):
     @property
     def rig(self) -> "pd.DataFrame":
         """Use of each limit of the rig by each part; empty without a rig."""
-        return self._below("rig")
+        return self._tables_of_parts("rig")
 
     @property
     def tested_range(self) -> "pd.DataFrame":
         """Use of the calibration range of the bearing by each part; empty if not given."""
-        return self._below("tested_range")
+        return self._tables_of_parts("tested_range")
 
-    def _below(self, name: str) -> "pd.DataFrame":
-        """Return a table of every part below each other, with the part of each row."""
+    def _tables_of_parts(self, name: str) -> "pd.DataFrame":
+        """Return a table of all parts, one after the other, with the part of each row."""
         tables = {self.case.label(k): getattr(part, name) for k, part in enumerate(self.parts)}
-        found: dict[str, pd.DataFrame] = {key: one for key, one in tables.items() if len(one)}
-        if not found:
+        filled: dict[str, pd.DataFrame] = {
+            key: table for key, table in tables.items() if len(table)
+        }
+        if not filled:
             return pd.DataFrame()
-        return pd.concat(found, names=["part"]).reset_index("part").reset_index(drop=True)
+        return pd.concat(filled, names=["part"]).reset_index("part").reset_index(drop=True)
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
+        bearing = self.case.bearing
         return {
             "command": "sequence",
             "name": self.case.name,
-            "bearing": self.case.bearing.name,
+            "bearing": bearing.name,
             "scheme": self.case.analysis.scheme,
             "version": thermobearing.__version__,
             "outcome": self.outcome,
             "warnings": self.warnings,
             **self._limits_summary(),
+            **state_attribute(states_table({bearing.name: (bearing, self.case.analysis.state)})),
             "parts": self.table.to_dict("records"),
         }
 
@@ -210,10 +227,13 @@ def _parts_table(result: SequenceResult) -> Table:
         places["lead_temperature"] = "lead_end_degC"
     limits = [str(text).split() for text in frame["beyond_tested"]]
     marked = {name: [limit in row for row in limits] for limit, name in places.items()}
-    others = {limit for row in limits for limit in row if limit not in places}
-    marked["part"] = [bool(set(row) & others) for row in limits]
-    also = ", ".join(sorted(TESTED[limit][1] for limit in others))
-    note = f"{MARKED}{f' (a part: {also})' if also else ''}." if any(limits) else ""
+    unmarked_limits = {limit for row in limits for limit in row if limit not in places}
+    marked["part"] = [bool(set(row) & unmarked_limits) for row in limits]
+    note = ""
+    if any(limits):
+        # Limits without a column in this table are marked at the name of the part.
+        names_of_part = ", ".join(sorted(TESTED[limit][1] for limit in unmarked_limits))
+        note = f"{MARKED} (a part: {names_of_part})." if names_of_part else f"{MARKED}."
     caption = "Parts of the sequence"
     return make_table(frame, columns, caption, marked=marked, note=note)
 
@@ -227,8 +247,8 @@ def load_sequence(path: str | Path) -> SequenceResult:
     parts: list[PartResult] = []
     for number, part in enumerate(case.parts):
         hybrid = isinstance(part, HybridPart)
-        if (place := folder / PARTS / case.label(number)).is_dir():
-            data = read_dataset(place, ("structure",) if hybrid else ("segments",))
+        if (part_folder := folder / PARTS / case.label(number)).is_dir():
+            data = read_dataset(part_folder, ("structure",) if hybrid else ("segments",))
             parts.append(EarthquakeResult(data) if hybrid else CyclicResult(data))
-    ended = bool(parts) and parts[-1].outcome != COMPLETED
-    return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended)
+    ended_early = bool(parts) and parts[-1].outcome != COMPLETED
+    return SequenceResult(case, parts, interrupted=len(parts) < len(case.parts) and not ended_early)

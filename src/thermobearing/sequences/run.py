@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import scipy
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.cases import made_case
 from thermobearing.border.errors import InputError
 from thermobearing.border.schema import check_workers
@@ -30,6 +31,7 @@ PIECES = 20  # steps of unloading
 NEAREST, FARTHEST = 0.1, 1e3  # range of the unloading displacement [mm]
 
 
+@checked
 def sequence(
     case: SequenceCase | str | Path | dict[str, Any],
     *,
@@ -57,20 +59,20 @@ def sequence(
     >>> list(result.table["kind"]), result.outcome
     (['cyclic', 'hybrid'], 'completed')
     """
-    how = (SequenceCase, load_sequence_case, make_sequence_case, "sequence()")
-    return run_sequence(made_case(case, *how, overrides), progress=progress)
+    loaders = (SequenceCase, load_sequence_case, make_sequence_case, "sequence()")
+    return run_sequence(made_case(case, *loaders, overrides), progress=progress)
 
 
 def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> SequenceResult:
     """Run a sequence; a part that ends early is the last. `progress`: called with (done, all)."""
     check_workers("run_sequence()", progress=progress)
-    found: list[Result | EarthquakeResult] = []
+    results: list[Result | EarthquakeResult] = []
     state: SpecimenState | None = None
     interrupted = False
     try:
         for number in range(len(case.parts)):
             result, state = _run_part(case.whole_part(number, state))
-            found.append(result)
+            results.append(result)
             if progress:
                 progress(number + 1, len(case.parts))
             if result.outcome != "completed":
@@ -79,7 +81,7 @@ def run_sequence(case: SequenceCase, *, progress: Progress | None = None) -> Seq
                 state = _unloaded(case, number, state)
     except KeyboardInterrupt:
         interrupted = True
-    return SequenceResult(case, found, interrupted=interrupted)
+    return SequenceResult(case, results, interrupted=interrupted)
 
 
 def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> SpecimenState:
@@ -95,36 +97,39 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
 
     def _other_side(x: float) -> float:
         """Return a displacement at which the force has the other sign; x where there is none."""
-        way, far = -np.sign(_force(x)), NEAREST if _force(x) else 0.0
-        while _force(x + way * far) * way < 0.0:
-            far *= 2.0
-            if far > FARTHEST:
+        direction, distance = -np.sign(_force(x)), NEAREST if _force(x) else 0.0
+        while _force(x + direction * distance) * direction < 0.0:
+            distance *= 2.0
+            if distance > FARTHEST:
                 raise InputError(
                     f"{case.label(number)}: no displacement within {FARTHEST:g} mm unloads the "
                     'specimen; give between = "as-left"'
                 )
-        return float(x + way * far)
+        return float(x + direction * distance)
 
+    # In one step of a second at first: the distance to zero force gives the time of the unloading.
     beyond = _other_side(start)
     if beyond == start:
         return state.model_copy(update={"zero": start})
     end = scipy.optimize.brentq(_force, start, beyond, xtol=1e-9)
     dt = max(abs(end - start) / UNLOADING / PIECES, 1e-3)
+    # At the speed UNLOADING the force is zero at another displacement, since it depends on the rate
+    # and on the path: the last step ends there.
     for piece in range(1, PIECES):
         element.set_trial(start + (end - start) * piece / PIECES, dt, ambient)
         element.commit()
-    at = start + (end - start) * (PIECES - 1) / PIECES
+    displacement = start + (end - start) * (PIECES - 1) / PIECES
     beyond = start + 2.0 * (end - start)
-    if _force(at) * _force(beyond) > 0.0:  # a faster motion: the force is zero elsewhere
-        beyond = _other_side(at)
-    end = scipy.optimize.brentq(_force, at, beyond, xtol=1e-12)
+    if _force(displacement) * _force(beyond) > 0.0:  # a faster motion: the force is zero elsewhere
+        beyond = _other_side(displacement)
+    end = scipy.optimize.brentq(_force, displacement, beyond, xtol=1e-12)
     element.set_trial(end, dt, ambient)
     element.commit()
-    left, lead = element.state, state.lead_temperature is not None
-    warm = float(left.books[0].lead_temperature) if lead else float("nan")
-    return specimen_state(left.temperature, warm, state_memory(left)).model_copy(
-        update={"zero": end}
-    )
+    end_state, has_lead = element.state, state.lead_temperature is not None
+    lead_temperature = float(end_state.books[0].lead_temperature) if has_lead else float("nan")
+    return specimen_state(
+        end_state.temperature, lead_temperature, state_memory(end_state)
+    ).model_copy(update={"zero": end})
 
 
 def _run_part(case: Case | EarthquakeCase) -> tuple[Result | EarthquakeResult, SpecimenState]:

@@ -1,8 +1,9 @@
 """A structure drawn: bodies, masses, springs, hinges and bearings; its plan and its mode shapes.
 
-Heights are those of the model. Supports stand where their bearing lines are, to scale; without
-coordinates side by side in the order of the lines, at equal distances. Lines on the ground stand
-on their own abutment.
+Heights are those of the model, of masses too; a deck is a bar at the height of its bearing lines,
+which are small symbols below it, of the same size in every drawing. Supports stand
+where their bearing lines are, to scale; without coordinates side by side in the order of the
+lines, at equal distances. Lines on the ground stand on their own abutment.
 """
 
 import textwrap
@@ -13,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
@@ -28,10 +29,14 @@ M = 1e-3  # m per mm
 MOST_MODES = 6
 PIER, DECK, SPRING, BEARING, HINGE = "#6b7280", "#374151", "#0077BB", "#EE7733", "#CC3311"
 TEETH = 5  # of a spring
+THICK = 11.0  # of a deck and of a bearing line [pt]
+# A bearing line as a marker: a square whose top is half the thickness of a deck below its height.
+BELOW_DECK = ((-1, -3), (1, -3), (1, -1), (-1, -1), (-1, -3))
 SEAT = 0.26  # distance of two lines on one pier, of the spacing of piers
 OVERHANG = 0.09  # of a deck beyond its last line, likewise
 NAME = 0.09  # distance of the name of a body, likewise
 NAME_WIDTH = 14  # letters of a line of the name of a bearing line
+NEXT_TO_MASS = 6.0  # distance of a name from a mass above its line [pt]
 ABOVE_DECK = 8.0  # height of these names above the top of a line [pt]
 MOST_GAPS = 5  # of the size of a structure in the spacing of its supports
 ALONG, ACROSS = "along the bridge, x [m]", "across, y [m]"
@@ -78,7 +83,6 @@ class _Layout(NamedTuple):
     decks: tuple[str, ...]
     spacing: float  # of supports
     rise: float  # unit of sizes in the direction of height
-    seat: float  # width of a bearing line
     scaled: bool  # heights are those of the model
     placed: bool  # so are places along the bridge
 
@@ -98,9 +102,9 @@ def _lay_out(structure: Structure) -> _Layout:
     scaled = np.ptp(list(ends.values())) > 0.0
     if not scaled:  # without heights one above the other
         ends = {name: (1.0, 1.0) if name in decks else (0.0, 1.0) for name in ends}
+    else:
+        ends |= {deck: (_level(structure, deck),) * 2 for deck in decks}
     rise = spacing = 0.8 * max(float(np.ptp(list(ends.values()))), 1e-6)
-    lift = 0.07 * rise  # room for the bearings under a deck
-    ends |= {name: (ends[name][1] + lift,) * 2 for name in decks}
     supports = {
         line.name: ("ground", line.name) if line.base == GROUND else _root(structure, line.base)
         for line in structure.bearings
@@ -108,27 +112,35 @@ def _lay_out(structure: Structure) -> _Layout:
     at = {line.name: M * structure.point(line)[0] for line in structure.bearings}
     placed = np.ptp(list(at.values())) > 0.0
     order = list(dict.fromkeys([*supports.values(), *(_root(structure, n) for n in upright)]))
-    own = [[name for name in supports if supports[name] == one] for one in order]
+    lines_by_support = [
+        [name for name in supports if supports[name] == support] for support in order
+    ]
     if placed:
-        stands: list[Any] = [
-            np.mean([at[name] for name in names]) if names else M * structure.place(str(one))[0]
-            for one, names in zip(order, own, strict=True)
+        support_places: list[Any] = [
+            np.mean([at[name] for name in names]) if names else M * structure.place(str(support))[0]
+            for support, names in zip(order, lines_by_support, strict=True)
         ]
-        spacing = max(_gap(stands), np.ptp([*stands, *at.values()]) / MOST_GAPS)
+        # The size of symbols follows the spacing: two supports close to each other must not make
+        # all of them too small to see.
+        spacing = max(_gap(support_places), np.ptp([*support_places, *at.values()]) / MOST_GAPS)
         seats = at
     else:
-        stands = [spacing * k for k in range(len(order))]
+        support_places = [spacing * k for k in range(len(order))]
         seats = {
-            name: stands[k] + SEAT * spacing * (names.index(name) - 0.5 * (len(names) - 1))
-            for k, names in enumerate(own)
+            name: support_places[k] + SEAT * spacing * (names.index(name) - 0.5 * (len(names) - 1))
+            for k, names in enumerate(lines_by_support)
             for name in names
         }
-    columns = {name: stands[order.index(_root(structure, name))] for name in upright}
+    columns = {name: support_places[order.index(_root(structure, name))] for name in upright}
     for deck in decks:
         under = [seats[line.name] for line in structure.bearings if line.body == deck]
         columns[deck] = 0.5 * (min(under) + max(under))
-    seat = float(np.clip(0.8 * (_gap(seats.values()) or spacing), 0.02 * spacing, 0.14 * spacing))
-    return _Layout(columns, seats, ends, decks, spacing, rise, seat, bool(scaled), bool(placed))
+    return _Layout(columns, seats, ends, decks, spacing, rise, bool(scaled), bool(placed))
+
+
+def _level(structure: Structure, deck: str) -> float:
+    """Return the height at which a deck is drawn: that of its highest bearing line [m]."""
+    return M * max(line.height for line in structure.bearings if line.body == deck)
 
 
 def _gap(places: Iterable[float]) -> float:
@@ -144,8 +156,8 @@ def _ends(structure: Structure, name: str) -> tuple[float, float]:
     heights += [spring.height for spring in springs if name == spring.body]
     heights += [body.base_height for body in structure.bodies if body.on == name]
     body = structure.body(name)
-    on_bearings = any(line.body == name for line in structure.bearings)
-    heights += [] if on_bearings else [body.base_height]
+    if not any(line.body == name for line in structure.bearings):
+        heights.append(body.base_height)
     if structure.report.pier == name:
         heights.append(structure.report.pier_top)
     return M * min(heights, default=0.0), M * max(heights, default=0.0)
@@ -165,20 +177,21 @@ def _separate(
     placed = list(taken)
     names.sort(key=lambda name: float(name.xy[0]))
 
-    def near(box: Bbox) -> list[Bbox]:
-        return [other for other in placed if other.padded(point).overlaps(box)]
+    def _boxes_on(box: Bbox) -> list[Bbox]:
+        return [placed_box for placed_box in placed if placed_box.padded(point).overlaps(box)]
 
     for name in names:
-        for side in (*sides, *sides[:1]):
+        for side in (*sides, *sides[:1]):  # back to the first side where none is free
             across, up, horizontal, vertical = SIDES[side]
             name.xyann = (across, up)
             name.set(ha=horizontal, va=vertical)
             box = name.get_window_extent()
-            if not near(box):
+            if not _boxes_on(box):
                 break
         box = name.get_window_extent()
-        while found := near(box):
-            rise = max(other.y1 for other in found) + 2.0 * point - box.y0
+        # Raised above one name it may reach another.
+        while overlapping := _boxes_on(box):
+            rise = max(placed_box.y1 for placed_box in overlapping) + 2.0 * point - box.y0
             name.xyann = (name.xyann[0], name.xyann[1] + rise / point)
             box = box.translated(0.0, rise)
         placed.append(box)
@@ -233,11 +246,11 @@ class StructureFigures(drawing.Figures):
         places = [*layout.columns.values(), *layout.seats.values()]
         ax.grid(False, axis="x")
         low = min(low for low, _ in layout.ends.values())
-        alike: dict[Any, list[str]] = {}
+        names_by_place: dict[Any, list[str]] = {}
         for body in structure.bodies:
             place = layout.columns[body.name], layout.ends[body.name]
-            alike.setdefault(place, []).append(body.name)
-        bodies = [self._body(ax, names) for names in alike.values()]
+            names_by_place.setdefault(place, []).append(body.name)
+        bodies = [self._body(ax, names) for names in names_by_place.values()]
         for spring in structure.springs:
             self._spring(ax, spring)
         for hinge in structure.hinges:
@@ -245,9 +258,11 @@ class StructureFigures(drawing.Figures):
             ax.plot(*at, zorder=6, markersize=9, **HANDLES["hinge"])
         heads = [self._bearings(ax, line, low) for line in structure.bearings]
         for mass in structure.masses:
-            y = M * mass.height if layout.scaled else layout.ends[mass.body][1]
-            y = float(np.clip(y, *layout.ends[mass.body]))
-            ax.plot([self._across(mass)], [y], markersize=7, zorder=7, **HANDLES["mass"])
+            x, (bottom, top) = self._across(mass), layout.ends[mass.body]
+            y = M * mass.height if layout.scaled else 0.5 * (bottom + top)
+            if mass.body in layout.decks and y != top:
+                ax.plot([x, x], [top, y], color=DECK, linewidth=2.0, zorder=1)
+            ax.plot([x], [y], markersize=7, zorder=7, **HANDLES["mass"])
         ax.axhline(low, color=drawing.GREY, linewidth=0.8, linestyle=(0, (6, 3)), zorder=0)
         if not layout.placed:
             ax.set_xticks([])
@@ -263,9 +278,9 @@ class StructureFigures(drawing.Figures):
         """Return decks, piers and bearing lines in plan, to scale, with their coordinates."""
         structure = self._structure
         outlines = [self._outline(deck) for deck in self._layout.decks]
-        others = [structure.place(body.name) for body in structure.bodies]
-        others += [structure.point(spring) for spring in structure.springs]
-        corners = np.concatenate([*outlines, M * np.array(others)])
+        part_places = [structure.place(body.name) for body in structure.bodies]
+        part_places += [structure.point(spring) for spring in structure.springs]
+        corners = np.concatenate([*outlines, M * np.array(part_places)])
         low, size = corners.min(axis=0), np.ptp(corners, axis=0)
         arm = 0.07 * float(size.max())
         origin = np.array([low[0] - 2.2 * arm, low[1] + 0.5 * size[1]])
@@ -283,11 +298,11 @@ class StructureFigures(drawing.Figures):
             if spring.stiffness is not None and spring.base == GROUND:
                 at = M * np.array(structure.point(spring))
                 _mark(ax, at, "ground spring")
-        for way, step in (("x", (arm, 0.0)), ("y", (0.0, arm))):
+        for axis, step in (("x", (arm, 0.0)), ("y", (0.0, arm))):
             look: drawing.Look = {"arrowstyle": "->", "color": drawing.INK}
             ax.annotate("", tuple(origin + step), tuple(origin), arrowprops=look)
             at = origin + 1.25 * np.array(step)
-            ax.annotate(way, tuple(at), (0, 0), **TEXT | CENTRED)
+            ax.annotate(axis, tuple(at), (0, 0), **TEXT | CENTRED)
         drawing.name_axes(ax, ALONG, ACROSS)
         handles = {str(line.get_label()): line for line in ax.lines}
         place: drawing.Look = BELOW | {"ncols": drawing.fitting(3), "markerscale": 0.6}
@@ -300,6 +315,7 @@ class StructureFigures(drawing.Figures):
     ) -> None:
         """Move names apart and off marks and arrows, and make the figure high enough."""
         figure = drawing.parent_figure(ax)
+        # The layout would make the plan smaller for names that go beyond the panel.
         for name in (*above, *below):
             name.set_in_layout(False)
         figure.draw_without_rendering()
@@ -313,11 +329,12 @@ class StructureFigures(drawing.Figures):
         placed = _separate(figure, above, marks, "ablr")
         placed += _separate(figure, below, [*marks, *placed], "balr")
         frame = ax.get_window_extent()
-        over = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
-        over = max(over, 0.0) / frame.height
+        excess = max(max(box.y1 - frame.y1, frame.y0 - box.y0) for box in placed) + 4.0 * point
+        excess = max(excess, 0.0) / frame.height
         low, high = ax.get_ylim()
-        ax.set_ylim(low - over * (high - low), high + over * (high - low))
-        figure.set_figheight(figure.get_figheight() + 2.0 * over * frame.height / figure.dpi)
+        ax.set_ylim(low - excess * (high - low), high + excess * (high - low))
+        # The figure becomes higher by as much as the limits: the scale of the plan stays.
+        figure.set_figheight(figure.get_figheight() + 2.0 * excess * frame.height / figure.dpi)
 
     def _outline(self, deck: str) -> Floats:
         """Return the corners of a deck in plan [m]: a little more than its lines and masses."""
@@ -355,8 +372,8 @@ class StructureFigures(drawing.Figures):
         if line.base == GROUND:
             _mark(ax, (x, y), "abutment")
         _mark(ax, (x, y), "bearing line")
-        words = f"{textwrap.fill(line.name, NAME_WIDTH)}\n({x:g}, {y:g})"
-        return ax.annotate(words, (x, y), (0, 9), ha="center", va="bottom", **TEXT)
+        label = f"{textwrap.fill(line.name, NAME_WIDTH)}\n({x:g}, {y:g})"
+        return ax.annotate(label, (x, y), (0, 9), ha="center", va="bottom", **TEXT)
 
     def _piers_in_plan(self, ax: Axes) -> list[Annotation]:
         """Draw the bodies that are no decks; return the names of those at each place."""
@@ -365,13 +382,13 @@ class StructureFigures(drawing.Figures):
         for body in structure.bodies:
             if body.name not in self._layout.decks:
                 names.setdefault(structure.place(body.name), []).append(body.name)
-        found = []
-        for (x, y), who in names.items():
+        annotations = []
+        for (x, y), body_names in names.items():
             _mark(ax, (M * x, M * y), "pier")
-            words = "\n".join(textwrap.fill(name, NAME_WIDTH) for name in reversed(who))
+            words = "\n".join(textwrap.fill(name, NAME_WIDTH) for name in reversed(body_names))
             look: drawing.Look = TEXT | {"ha": "center", "va": "top", "fontweight": "bold"}
-            found.append(ax.annotate(words, (M * x, M * y), (0, -9), **look))
-        return found
+            annotations.append(ax.annotate(words, (M * x, M * y), (0, -9), **look))
+        return annotations
 
     def _across(self, part: Mass | Spring) -> float:
         """Return the place of a part in an elevation: of the pier that it is on, or its own."""
@@ -381,13 +398,13 @@ class StructureFigures(drawing.Figures):
 
     def _sizes(self) -> list[tuple[str, str]]:
         """Return a line of the legend for each kind of part: equal ones share their size."""
-        found, room = [], drawing.fitting(LEGEND)
+        entries, room = [], drawing.fitting(LEGEND)
         for part, table in self._result.parts.groupby("part", sort=False):
-            each = table.groupby("name", sort=False)["size"].agg(", ".join)
-            names = each.reset_index().groupby("size", sort=False)["name"].agg(", ".join)
-            text = "; ".join(f"{size} ({who})" for size, who in names.items())
-            found.append((str(part), textwrap.fill(f"{part}: {text}", room)))
-        return found
+            sizes_by_name = table.groupby("name", sort=False)["size"].agg(", ".join)
+            names = sizes_by_name.reset_index().groupby("size", sort=False)["name"].agg(", ".join)
+            text = "; ".join(f"{size} ({names_of_size})" for size, names_of_size in names.items())
+            entries.append((str(part), textwrap.fill(f"{part}: {text}", room)))
+        return entries
 
     def modes(self) -> Figure:
         """Return the first six mode shapes; bearings with their equivalent stiffness."""
@@ -406,15 +423,18 @@ class StructureFigures(drawing.Figures):
             if k >= count:
                 ax.set_visible(False)
                 continue
-            (self._mode_in_plan if plan else self._mode)(ax, shapes[:, k])
+            draw_mode = self._mode_in_plan if plan else self._mode
+            draw_mode(ax, shapes[:, k])
             row = table.iloc[k]
-            head = f"{row['period_s']:.3f} s, damping {row['damping_ratio']:.1%}, "
             masses = [
                 f"{name.removeprefix('effective_mass_')}{drawing.UNBROKEN}{row[name]:.0%}"
                 for name in EFFECTIVE_MASSES
                 if plan and np.isfinite(row[name])
             ]
-            head += "mass " + (", ".join(masses) or f"{row['effective_mass']:.0%}")
+            head = (
+                f"{row['period_s']:.3f} s, viscous {row['damping_ratio']:.1%}, mass "
+                f"{', '.join(masses) or format(row['effective_mass'], '.0%')}"
+            )
             side = ACROSS if plan else self._height()
             drawing.name_axes(ax, "", side if k % columns == 0 else "", head)
             ax.title.set_fontsize(drawing.SMALL)
@@ -425,6 +445,7 @@ class StructureFigures(drawing.Figures):
         layout = self._layout
         moved = {name: self._moved(name, shape) for name in layout.ends}
         largest = max(float(np.abs(values).max()) for values in moved.values())
+        # The scale of a mode shape is arbitrary: its largest displacement is 0.4 of the spacing.
         factor = 0.4 * layout.spacing / max(largest, 1e-30)
         for name, values in moved.items():
             self._shape(ax, name, np.zeros(2), REST)
@@ -433,18 +454,18 @@ class StructureFigures(drawing.Figures):
     def _mode_in_plan(self, ax: Axes, shape: Floats) -> None:
         """Draw outlines of decks and tops of piers at rest and in a mode, seen from above."""
         structure = self._structure
-        found: list[tuple[Floats, Floats]] = []  # places and displacements
+        motions: list[tuple[Floats, Floats]] = []  # places and displacements
         for deck in self._layout.decks:
             corners, height = self._outline(deck), mean_height(structure, deck)
-            found.append(self._motion(deck, height, np.vstack([corners, corners[:1]]), shape))
+            motions.append(self._motion(deck, height, np.vstack([corners, corners[:1]]), shape))
         for line in structure.bearings:
             if line.base != GROUND:
                 at = M * np.array([structure.point(line)])
-                found.append(self._motion(line.base, line.height, at, shape))
-        corners = np.concatenate([places for places, _ in found])
+                motions.append(self._motion(line.base, line.height, at, shape))
+        corners = np.concatenate([places for places, _ in motions])
         size = float(np.ptp(corners, axis=0).max())
-        largest = max(float(np.abs(moved).max()) for _, moved in found)
-        for places, moved in found:
+        largest = max(float(np.abs(moved).max()) for _, moved in motions)
+        for places, moved in motions:
             ends = places + 0.12 * size / max(largest, 1e-30) * moved
             for points, look in ((places, REST), (ends, MOVED)):
                 ax.plot(*points.T, **look, marker="o" if len(points) == 1 else "", markersize=4)
@@ -493,16 +514,16 @@ class StructureFigures(drawing.Figures):
         look: drawing.Look = {"solid_capstyle": "butt", "zorder": 1}
         if name in layout.decks:
             span = self._span(name)
-            ax.plot(span, [high, high], color=DECK, linewidth=11, **look)
+            ax.plot(span, [high, high], color=DECK, linewidth=THICK, **look | {"zorder": 2})
             seats = sorted(layout.seats[b.name] for b in self._structure.bearings if b.body == name)
-            free = seats if len(seats) > 1 else [span[0], x]  # of bearings and of the mass
-            part = 0.37
+            edges = seats if len(seats) > 1 else [span[0], x]  # of bearings and of the mass
+            share = 0.37
             if layout.placed:
-                own = [mass for mass in self._structure.masses if mass.body in names]
-                masses = [self._across(mass) for mass in own]
-                free, part = sorted([*span, *seats, *masses]), 0.5
-            widest = int(np.argmax(np.round(np.diff(free), 6)))
-            at = (free[widest] + part * (free[widest + 1] - free[widest]), high)
+                body_masses = [mass for mass in self._structure.masses if mass.body in names]
+                masses = [self._across(mass) for mass in body_masses]
+                edges, share = sorted([*span, *seats, *masses]), 0.5
+            widest_gap = int(np.argmax(np.round(np.diff(edges), 6)))
+            at = (edges[widest_gap] + share * (edges[widest_gap + 1] - edges[widest_gap]), high)
             words = ", ".join(names)
             return ax.annotate(words, at, (0, 0), ha="center", va="center", **TEXT | ON_DECK)
         if low == high:
@@ -521,37 +542,45 @@ class StructureFigures(drawing.Figures):
         layout = self._layout
         low = layout.ends[spring.body][0]
         x = self._across(spring)
-        y, rise = max(M * spring.height, low), layout.rise
+        y, rise = M * spring.height if layout.scaled else low, layout.rise
         if spring.stiffness is None:
             ax.plot([x], [low], "o", color="none", markeredgecolor=SPRING, markersize=15, zorder=5)
             return
-        far = x - 0.35 * layout.spacing if spring.base == GROUND else layout.columns[spring.base]
-        across = np.linspace(far, x, 2 * TEETH + 2)
+        base_x = x - 0.35 * layout.spacing if spring.base == GROUND else layout.columns[spring.base]
+        across = np.linspace(base_x, x, 2 * TEETH + 2)
         teeth = np.where(np.arange(2 * TEETH + 2) % 2, 1.0, -1.0) * 0.02 * rise
         teeth[[0, -1]] = 0.0
         ax.plot(across, y + teeth, color=SPRING, linewidth=1.3, zorder=4)
-        ax.plot([far, far], [y - 0.04 * rise, y + 0.04 * rise], color=SPRING)
+        ax.plot([base_x, base_x], [y - 0.04 * rise, y + 0.04 * rise], color=SPRING)
 
     def _bearings(self, ax: Axes, line: Any, low: float) -> Annotation:
-        """Draw the box of a line, on an abutment if its base is the ground; return its name."""
-        layout, ground = self._layout, line.base == GROUND
-        x, wide = layout.seats[line.name], layout.seat
-        y = M * line.height if ground else layout.ends[line.base][1]
+        """Draw a bearing line, on an abutment if its base is the ground; return its name."""
+        layout, x = self._layout, self._layout.seats[line.name]
         top = layout.ends[line.body][1]
-        if ground and y > low:
-            look: drawing.Look = {"facecolor": drawing.STEEL, "linewidth": 0}
-            ax.add_patch(Rectangle((x - 0.5 * wide, low), wide, y - low, zorder=1, **look))
-        height = max(top - y, 0.03 * layout.rise)
-        ax.add_patch(Rectangle((x - 0.5 * wide, y), wide, height, color=BEARING, zorder=5))
-        words = textwrap.fill(line.name, NAME_WIDTH)
-        return ax.annotate(words, (x, top), (0, ABOVE_DECK), ha="center", va="bottom", **TEXT)
+        y = M * line.height if layout.scaled else top
+        look: drawing.Look = {"linewidth": THICK}
+        if line.base == GROUND and y > low:
+            ax.plot([x, x], [low, y], color=drawing.STEEL, solid_capstyle="butt", zorder=1, **look)
+        if y < top:  # the deck reaches down to this line
+            ax.plot([x, x], [y, top], color=DECK, solid_capstyle="projecting", zorder=2, **look)
+        ax.plot([x], [y], marker=BELOW_DECK, markersize=3.0 * THICK, color=BEARING, zorder=5)
+        label = textwrap.fill(line.name, NAME_WIDTH)
+        above = [
+            self._across(mass)
+            for mass in self._structure.masses
+            if mass.body == line.body and layout.scaled and M * mass.height > top
+        ]
+        # Where the mass of the deck stands over this line, the name is next to it.
+        covered = any(abs(place - x) < 0.1 * layout.spacing for place in above)
+        aside, side = (-NEXT_TO_MASS, "right") if covered else (0.0, "center")
+        return ax.annotate(label, (x, top), (aside, ABOVE_DECK), ha=side, va="bottom", **TEXT)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
-        found = {"model": self.model, "plan": self.plan, "modes": self.modes}
+        figures = {"model": self.model, "plan": self.plan, "modes": self.modes}
         if not self._structure.plan:
-            del found["plan"]
-        return found
+            del figures["plan"]
+        return figures
 
 
 class FrameFigures(StructureFigures):
@@ -560,34 +589,33 @@ class FrameFigures(StructureFigures):
     def frame(self) -> Figure:
         """Return the frame with its nodes, and the structure that it became."""
         frame, name = self._result.frame, self._structure.name
-        wide, high = self._model_size()
-        figure, (ax, right) = drawing.panels(1, 2, (2.0 * wide, high), f"{name}: the frame")
-        at = {node: (one.x, one.z) for node, one in frame.nodes.items()}
-        for one in frame.elements:
-            if one.is_member:
-                rigid = one.stiffness is None
+        width, height = self._model_size()
+        figure, (ax, right) = drawing.panels(1, 2, (2.0 * width, height), f"{name}: the frame")
+        at = {name: (node.x, node.z) for name, node in frame.nodes.items()}
+        for element in frame.elements:
+            if element.is_member:
+                rigid = element.stiffness is None
                 look: drawing.Look = {"linestyle": "--"} if rigid else {"linewidth": 3.0}
-                points = np.array([at[end] for end in one.ends])
+                points = np.array([at[end] for end in element.ends])
                 ax.plot(*points.T, color=PIER, zorder=1, **look)
-        grouped: dict[Any, list[str]] = {}
-        for node, place in at.items():
-            grouped.setdefault(place, []).append(node)
-        for place in {at[node] for node, own in frame.held.items() if any(own)}:
+        # Nodes at one place, such as the two of a bearing, have one mark and one label.
+        nodes_by_place: dict[Any, list[str]] = {}
+        for node_name, place in at.items():
+            nodes_by_place.setdefault(place, []).append(node_name)
+        for place in {at[node] for node, fixities in frame.held.items() if any(fixities)}:
             ax.plot(*place, "^", color=drawing.STEEL, markersize=15, zorder=0)
-        for one in frame.elements:
-            if not one.is_member:
-                ends = [end for end in one.ends if end != GROUND]
+        for element in frame.elements:
+            if not element.is_member:
+                ends = [end for end in element.ends if end != GROUND]
                 line = any(self._result.bodies[end].startswith("deck") for end in ends)
                 look = HANDLES["bearings" if line else "spring"] | {"marker": "s"}
                 ax.plot(*at[ends[-1]], markersize=11, zorder=2, **look)
-        size = {
-            place: sum(frame.nodes[one].mass[0] for one in own) for place, own in grouped.items()
-        }
-        for place in grouped:
-            ax.plot(*place, "o", color=drawing.INK, markersize=6 if size[place] else 3, zorder=3)
+        for place, nodes in nodes_by_place.items():
+            mass = sum(frame.nodes[node].mass[0] for node in nodes)
+            ax.plot(*place, "o", color=drawing.INK, markersize=6 if mass else 3, zorder=3)
         names = [
-            ax.annotate(", ".join(own), place, (9, 0), bbox=drawing.BOX, **TEXT)
-            for place, own in grouped.items()
+            ax.annotate(", ".join(nodes), place, (9, 0), bbox=drawing.BOX, **TEXT)
+            for place, nodes in nodes_by_place.items()
         ]
         ax.margins(0.25, 0.12)
         drawing.name_axes(ax, ALONG, "height [m]", "nodes and members (dashed: rigid)")

@@ -27,9 +27,15 @@ from thermobearing.core.types import (
 from thermobearing.core.vector import (
     Matrix,
     Vector,
+    across,
+    along_x,
     between,
+    components,
+    diagonal,
     dot,
-    is_given,
+    each_times,
+    is_nonzero,
+    lowest,
     minus,
     norm,
     plus,
@@ -38,6 +44,7 @@ from thermobearing.core.vector import (
 )
 from thermobearing.structure.takeda import takeda
 from thermobearing.structure.types import Coordinate, LineFactors, Motion, MotionRows, System
+from thermobearing.structure.vertical import begin_section, keep_section, lend, press_line
 
 
 @compiled
@@ -59,6 +66,7 @@ def solve_dense(matrix: Floats, vector: Floats) -> bool:
     n = matrix.shape[0]
     singular = False
     for k in range(n):
+        # Bubbles the largest entry up instead of looking for it: lanes may need different rows.
         for i in range(k + 1, n):
             larger = abs(matrix[i, k]) > abs(matrix[k, k])
             if any_lane(larger):
@@ -134,8 +142,8 @@ def side_by_side(parts: Sequence[Any]) -> Any:
 def line_kinds(constants: Sequence[Constants]) -> list[list[int]]:
     """Numbers of the lines that are of one kind: their constants are the same object."""
     kinds: dict[int, list[int]] = {}
-    for number, one in enumerate(constants):
-        kinds.setdefault(id(one), []).append(number)
+    for number, bearing_constants in enumerate(constants):
+        kinds.setdefault(id(bearing_constants), []).append(number)
     return list(kinds.values())
 
 
@@ -147,17 +155,17 @@ def build_bearings(
     components: int = 1,
 ) -> Bearings:
     """Bearings of all lines: where they were left, or virgin at temperatures of cells and lead."""
-    found = []
+    kinds = []
     states = start_states(constants, temperatures, leads, begun, components)
     for numbers, start in zip(line_kinds(constants), states, strict=True):
-        one = constants[numbers[0]]
+        kind_constants = constants[numbers[0]]
         trials = State(*[array.copy() for array in start])
-        elastic, hysteretic = np.zeros((2, len(numbers), len(one.multiplicity)))
-        work = new_workspace(one, components)
+        elastic, hysteretic = np.zeros((2, len(numbers), len(kind_constants.multiplicity)))
+        work = new_workspace(kind_constants, components)
         lines, durations = np.array(numbers), np.zeros(len(numbers))
         bearings = split(work, elastic, hysteretic, start, trials)
-        found.append(Kind(one, lines, durations, start, bearings))
-    return tuple(found)
+        kinds.append(Kind(kind_constants, lines, durations, start, bearings))
+    return tuple(kinds)
 
 
 def start_states(
@@ -169,8 +177,10 @@ def start_states(
 ) -> tuple[Any, ...]:
     """States of each kind, as `Kind` has them; arguments as of `build_bearings`."""
     starts = [
-        new_state(one, temperatures[b], leads[b], components) if left is None else left
-        for b, (one, left) in enumerate(
+        new_state(bearing_constants, temperatures[b], leads[b], components)
+        if begun_state is None
+        else begun_state
+        for b, (bearing_constants, begun_state) in enumerate(
             zip(constants, begun or [None] * len(constants), strict=True)
         )
     ]
@@ -193,7 +203,7 @@ def along(rows: Vectors, row: int, points: Rows[Coordinate]) -> Vector:
 def spread(rows: Vectors, row: int, force: Vector, stiffness: Matrix, motion: Motion) -> None:
     """Add the force and stiffness of one connection to those of the coordinates."""
     for i in range(rows.shape[1]):
-        if any_lane(is_given(rows[row, i])):
+        if any_lane(is_nonzero(rows[row, i])):
             motion.points[i].trial_restoring += dot(rows[row, i], force)
             for j in range(rows.shape[1]):
                 motion.tangent[i, j] += between(rows[row, i], stiffness, rows[row, j])
@@ -202,6 +212,7 @@ def spread(rows: Vectors, row: int, force: Vector, stiffness: Matrix, motion: Mo
 @compiled
 def _bearing_dt(line: LineFactors, dt: float, dx: Vector) -> float:
     """Return the time in which the bearing moves by dx [mm]: in the earthquake or its actuator."""
+    # With its own clock the bearing takes as long as its actuator.
     quake = line.speed == 0.0
     if all_lanes(quake):
         return dt
@@ -216,12 +227,18 @@ def set_stretches(system: System, motion: Motion) -> None:
 
 
 @compiled
-def begin_bearings(bearings: Bearings) -> None:
+def begin_bearings(system: System, bearings: Bearings) -> None:
     """Prepare the bearings once in a step, before `restoring`."""
+    presses = len(system.sections.sections) > 0
     for k in range(len(bearings)):
         kind = bearings[k]
         for m in range(len(kind.lines)):
-            begin(kind.constants, kind.bearings[m].work, kind.bearings[m].state)
+            bearing = kind.bearings[m]
+            if presses and system.sections.number[kind.lines[m]] >= 0:
+                number = system.sections.number[kind.lines[m]]
+                begin_section(system, number, kind.constants, bearing.work, bearing.state)
+            else:
+                begin(kind.constants, bearing.work, bearing.state)
 
 
 @compiled
@@ -255,18 +272,27 @@ def _move_bearings(
         for m in range(len(kind.lines)):
             bearing, b = kind.bearings[m], kind.lines[m]
             line, state = system.lines[b], bearing.state
+            # A specimen at a scale, which may begin where an earlier test left it.
             x = plus(line.start, scaled(motion.stretches[b], line.length_factor))
-            own_dt = _bearing_dt(line, dt, minus(x, state.books[0].displacement))
-            kind.durations[m] = own_dt
-            force, slope, moved = move(
-                kind.constants, bearing.work, state, x, own_dt, bearing.trial
+            bearing_dt = _bearing_dt(line, dt, minus(x, state.books[0].displacement))
+            kind.durations[m] = bearing_dt
+            force, slope, move_outcome = move(
+                kind.constants, bearing.work, state, x, bearing_dt, bearing.trial
             )
-            outcome = select((outcome == COMPLETED) & has_failed(moved), moved, outcome)
+            fails_first = (outcome == COMPLETED) & has_failed(move_outcome)
+            outcome = select(fails_first, move_outcome, outcome)
             if all_lanes(outcome != COMPLETED):
                 return outcome
             slope = scaled(slope, line.force_factor * line.length_factor)
-            felt = scaled(plus(minus(force, line.at_rest), noise), line.force_factor)
-            spread(system.line_rows, b, felt, slope, motion)
+            # The structure is in balance with the force at rest, so it feels the difference.
+            line_force = scaled(plus(minus(force, line.at_rest), noise), line.force_factor)
+            if any_lane(line.reduction_x != 0.0):
+                stretch = motion.stretches[b]
+                reduction = components(stretch, line.reduction_x, line.reduction_y)
+                line_force = minus(line_force, each_times(reduction, stretch))
+                slope = plus(slope, diagonal(stretch, -line.reduction_x, -line.reduction_y))
+                line.tangent = lowest(slope)
+            spread(system.line_rows, b, line_force, slope, motion)
     return outcome
 
 
@@ -300,26 +326,26 @@ def add_books(system: System, motion: Motion, before: Vector, after: Vector) -> 
     their own books, see `commit`.
     """
     books, points, n = motion.books[0], motion.points, motion.tangent.shape[0]
-    given = 0.0
-    damped = 0.0
+    input_work = 0.0
+    damping_work = 0.0
     kinetic = 0.0
     stored = 0.0
     for i in range(n):
         dq = points[i].trial - points[i].q
-        given += dot(scaled(plus(before, after), 0.5), system.load[i]) * dq
+        input_work += dot(scaled(plus(before, after), 0.5), system.load[i]) * dq
         for j in range(n):
             mean = 0.5 * (points[j].v + points[j].predicted_v)
-            damped += dq * system.damping[i, j] * mean
+            damping_work += dq * system.damping[i, j] * mean
             kinetic += 0.5 * points[i].predicted_v * system.mass[i, j] * points[j].predicted_v
             stored += 0.5 * points[i].trial * system.stiffness[i, j] * points[j].trial
-    hinged = 0.0
+    hinge_work = 0.0
     for h in range(len(system.hinges)):
         old, new = motion.hinges.bends[h], motion.trial_hinges.bends[h]
-        turned = new.rotation - old.rotation
-        hinged += 0.5 * (new.moment + old.moment) * turned
-    books.input += given
-    books.damping += damped
-    books.hinges += hinged
+        rotation = new.rotation - old.rotation
+        hinge_work += 0.5 * (new.moment + old.moment) * rotation
+    books.input += input_work
+    books.damping += damping_work
+    books.hinges += hinge_work
     books.kinetic = kinetic
     books.springs = stored
 
@@ -343,11 +369,49 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
         for m in range(len(kind.lines)):
             state, line = kind.bearings[m].state, system.lines[kind.lines[m]]
             copy_state(kind.bearings[m].trial, state)
-            felt = state.books[0].work_in - dot(
+            # The structure does not feel the work of the force at rest, nor the scale of the
+            # specimen.
+            work = state.books[0].work_in - dot(
                 line.at_rest, minus(state.books[0].displacement, line.start)
             )
-            books.bearings += line.force_factor / line.length_factor * felt
+            books.bearings += line.force_factor / line.length_factor * work
+    if len(system.sections.sections) > 0:
+        books.bearings -= lend(system, motion)
     books.clock += dt
+
+
+@compiled
+def press_sections(
+    system: System, bearings: Bearings, motion: Motion, ground: float, dt: float
+) -> None:
+    """Find the axial forces at the end of a step that is committed; `ground` is upwards [mm/s2]."""
+    for k in range(len(bearings)):
+        kind = bearings[k]
+        for m in range(len(kind.lines)):
+            b = kind.lines[m]
+            number = system.sections.number[b]
+            if number >= 0:
+                force = scaled(kind.states.books[m, 0].force, system.lines[b].force_factor)
+                shear = along_x(force), across(force)
+                press_line(system, motion, number, shear[0], shear[1], ground, dt)
+
+
+@compiled
+def less_axial(system: System, b: int, stretch: Vector, force: Vector) -> Vector:
+    """Return the force of the modelled bearing of a line, less what axial forces take from it."""
+    line = system.lines[b]
+    reduction = components(stretch, line.reduction_x, line.reduction_y)
+    return minus(force, scaled(each_times(reduction, stretch), 1.0 / line.force_factor))
+
+
+@compiled
+def keep_sections(system: System, motion: Motion, rows: MotionRows, row: int) -> None:
+    """Write the axial forces into one row, after `keep_motion`, and what they take from forces."""
+    keep_section(system, 1 + row, motion)  # after the start
+    for a in range(len(system.sections.sections)):
+        b = system.sections.sections[a].line
+        books = rows.bearings[row, b]
+        books.force = less_axial(system, b, motion.stretches[b], books.force)
 
 
 @compiled

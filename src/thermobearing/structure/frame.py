@@ -103,32 +103,36 @@ class Frame:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be a frame."""
-        known = [*self.nodes, GROUND]
+        names = [*self.nodes, GROUND]
         used = {name: "equal displacements" for tie in self.ties for name in tie[:2]}
         used |= dict.fromkeys(self.held, "a support")
-        used |= {name: one.line for one in self.elements for name in one.ends}
+        used |= {name: element.line for element in self.elements for name in element.ends}
         faults = [
-            f'{line}: no node is called "{shortened(name)}"{nearest(name, known)}'
+            f'{line}: no node is called "{shortened(name)}"{nearest(name, names)}'
             for name, line in used.items()
-            if name not in known
+            if name not in names
         ]
-        for one in [] if faults else self.elements:
-            if one.is_member and GROUND in one.ends:
-                faults.append(f"{one.line}: {one.name} is on the ground; give it a fixed node")
-            elif one.ends[0] == one.ends[1] or (one.is_elastic and not np.any(self.span(one))):
-                faults.append(f"{one.line}: {one.name} has no length")
-        sizes = {one.line: min(one.stiffness or [0.0]) for one in self.elements}
-        sizes |= {one.line: min(one.mass) for one in self.nodes.values()}
+        for element in [] if faults else self.elements:
+            if element.is_member and GROUND in element.ends:
+                faults.append(
+                    f"{element.line}: {element.name} is on the ground; give it a fixed node"
+                )
+            elif element.ends[0] == element.ends[1] or (
+                element.is_elastic and not np.any(self.span(element))
+            ):
+                faults.append(f"{element.line}: {element.name} has no length")
+        sizes = {element.line: min(element.stiffness or [0.0]) for element in self.elements}
+        sizes |= {node.line: min(node.mass) for node in self.nodes.values()}
         faults += [f"{line}: a negative number" for line, size in sizes.items() if size < 0.0]
         if not 2 <= len(self.nodes) <= MOST_NODES:
             faults.append(f"has {len(self.nodes)} nodes; 2 to {MOST_NODES} can be imported")
         if faults:
             raise InputError(faults, self.file)
 
-    def span(self, one: Element) -> Floats:
+    def span(self, element: Element) -> Floats:
         """Return the distance of the second node of an element from the first in x and z [m]."""
-        near, far = (self.nodes[name] for name in one.ends)
-        return np.array([far.x - near.x, far.z - near.z])
+        first, second = (self.nodes[name] for name in element.ends)
+        return np.array([second.x - first.x, second.z - first.z])
 
     def motions(self, name: str) -> Floats:
         """Return the rows of displacement in x and z and rotation of a node, or of the ground."""
@@ -138,24 +142,25 @@ class Frame:
             rows[:, first : first + len(WAYS)] = np.eye(len(WAYS))
         return rows
 
-    def _strains(self, one: Element) -> Floats:
+    def _strains(self, element: Element) -> Floats:
         """Return the rows of extension and rotations of the ends relative to the chord."""
-        near, far = (self.motions(name) for name in one.ends)
-        apart = far - near
-        if not one.is_member or not (length := np.hypot(*self.span(one))):
-            return np.asarray(apart)
-        x, z = self.span(one) / length
-        chord = (x * apart[1] - z * apart[0]) / length
-        return np.array([x * apart[0] + z * apart[1], near[2] - chord, far[2] - chord])
+        first, second = (self.motions(name) for name in element.ends)
+        relative = second - first
+        # Springs, and rigid members between two nodes at one point, have relative motions only.
+        if not element.is_member or not (length := np.hypot(*self.span(element))):
+            return np.asarray(relative)
+        x, z = self.span(element) / length
+        chord = (x * relative[1] - z * relative[0]) / length
+        return np.array([x * relative[0] + z * relative[1], first[2] - chord, second[2] - chord])
 
     def only(self, names: Iterable[str], held: Iterable[str] = ()) -> "Frame":
         """Return these nodes and what joins them to each other and the ground; fix `held`."""
         kept = {*names, GROUND}
-        fixed = {name: own for name, own in self.held.items() if name in kept}
+        fixed = {name: directions for name, directions in self.held.items() if name in kept}
         return replace(
             self,
             nodes={name: node for name, node in self.nodes.items() if name in kept},
-            elements=[one for one in self.elements if kept.issuperset(one.ends)],
+            elements=[element for element in self.elements if kept.issuperset(element.ends)],
             held=fixed | dict.fromkeys(held, (True, True, True)),
             ties=[tie for tie in self.ties if kept.issuperset(tie[:2])],
         )
@@ -173,29 +178,31 @@ class Frame:
         """
         count = len(self.mass)
         stiffness, bound = np.zeros((count, count)), [np.zeros(count)]
-        for one in self.elements:
-            rows = self._strains(one)
-            if one.stiffness is None:
+        for element in self.elements:
+            rows = self._strains(element)
+            if element.stiffness is None:
                 bound += [*rows]
-            elif one.is_member:
-                axial, bending = np.array(one.stiffness) / np.hypot(*self.span(one))
+            elif element.is_member:
+                axial, bending = np.array(element.stiffness) / np.hypot(*self.span(element))
                 law = [[axial, 0, 0], [0, 4 * bending, 2 * bending], [0, 2 * bending, 4 * bending]]
                 stiffness += rows.T @ np.array(law) @ rows
             else:
-                stiffness += rows.T @ (np.array(one.stiffness)[:, None] * rows)
-        for name, own in self.held.items():
-            bound += [*self.motions(name)[list(own)]]
+                stiffness += rows.T @ (np.array(element.stiffness)[:, None] * rows)
+        for name, directions in self.held.items():
+            bound += [*self.motions(name)[list(directions)]]
         bound += [(self.motions(a) - self.motions(b))[k] for a, b, k in self.ties]
+        # A coordinate that nothing stiffens and nothing binds would look like a mechanism.
         loose = ~(np.any(bound, axis=0) | stiffness.any(axis=0))
         allowed = scipy.linalg.null_space(np.array([*bound, *np.eye(count)[loose]]))
+        # Of unit stiffness each, so that an eigenvalue near zero is a mechanism in any unit.
         allowed /= np.sqrt(np.diag(allowed.T @ stiffness @ allowed).clip(TINY))
         reduced = allowed.T @ stiffness @ allowed
         values, shapes = scipy.linalg.eigh(reduced) if len(reduced) else ([1.0], reduced)
         if values[0] <= NO_STIFFNESS:
-            node, way = divmod(place_of_largest(np.abs(allowed @ shapes[:, 0])), len(WAYS))
+            node, direction = divmod(place_of_largest(np.abs(allowed @ shapes[:, 0])), len(WAYS))
             raise InputError(
                 f"is a mechanism: nothing resists a motion of node {list(self.nodes)[node]} "
-                f"({WAYS[way]}); add the support, spring or member that does",
+                f"({WAYS[direction]}); add the support, spring or member that does",
                 self.file,
             )
         return reduced, allowed
@@ -208,6 +215,8 @@ class Frame:
     def modes(self) -> Modes:
         """Return the natural modes with unit modal mass."""
         reduced, allowed = self._stiffness
+        # Mass by stiffness, not the inverse: a motion without mass has the square of a period,
+        # zero.
         squares, shapes = scipy.linalg.eigh(allowed.T @ (self.mass[:, None] * allowed), reduced)
         kept = np.flatnonzero(squares > NO_MASS * squares.max(initial=0.0))[::-1]
         roots = np.sqrt(squares[kept])
@@ -218,8 +227,8 @@ def _label(frame: Frame, members: Iterable[Element]) -> dict[str, int]:
     """Return a number for each node, the same for nodes that members join."""
     numbers = {name: k for k, name in enumerate(frame.nodes)}
     graph = np.zeros((len(numbers), len(numbers)))
-    for one in members:
-        graph[numbers[one.ends[0]], numbers[one.ends[1]]] = 1.0
+    for member in members:
+        graph[numbers[member.ends[0]], numbers[member.ends[1]]] = 1.0
     return dict(
         zip(
             numbers,
@@ -231,45 +240,51 @@ def _label(frame: Frame, members: Iterable[Element]) -> dict[str, int]:
 
 def _find_parts(frame: Frame) -> dict[str, list[str]]:
     """Return the nodes of the ground, of each pier and of each deck, by name."""
-    members = [one for one in frame.elements if one.is_member]
+    members = [member for member in frame.elements if member.is_member]
     labels = _label(frame, members)
-    elastic = [one for one in members if one.is_elastic]
-    upright = {labels[one.ends[0]] for one in elastic if np.diff(np.abs(frame.span(one))) > 0.0}
-    joined = {name for one in members for name in one.ends}
-    fixed = [name for name, own in frame.held.items() if all(own) and name not in joined]
+    elastic = [member for member in members if member.is_elastic]
+    upright = {
+        labels[member.ends[0]] for member in elastic if np.diff(np.abs(frame.span(member))) > 0.0
+    }
+    joined = {name for member in members for name in member.ends}
+    fixed = [
+        name for name, directions in frame.held.items() if all(directions) and name not in joined
+    ]
     parts = {GROUND: [GROUND, *fixed]}
     for kind in ("pier", "deck"):
-        wanted = [k for k in dict.fromkeys(labels.values()) if (k in upright) == (kind == "pier")]
-        some = [[name for name in labels if labels[name] == k] for k in wanted]
-        some = [part for part in some if part[0] not in fixed]
-        some.sort(key=lambda part: min(frame.nodes[name].x for name in part))
-        for k, part in enumerate(some, 1):
-            parts[kind if len(some) == 1 else f"{kind} {k}"] = part
+        part_labels = [
+            k for k in dict.fromkeys(labels.values()) if (k in upright) == (kind == "pier")
+        ]
+        groups = [[name for name in labels if labels[name] == k] for k in part_labels]
+        groups = [part for part in groups if part[0] not in fixed]
+        groups.sort(key=lambda part: min(frame.nodes[name].x for name in part))
+        for k, part in enumerate(groups, 1):
+            parts[kind if len(groups) == 1 else f"{kind} {k}"] = part
     return parts
 
 
 def _find_lines(frame: Frame, bodies: dict[str, str]) -> list[tuple[Element, str, str]]:
     """Return the bearing lines with their lower and upper nodes."""
-    found = []
-    for one in frame.elements:
-        lower, upper = sorted(one.ends, key=lambda name: bodies[name].startswith("deck"))
+    lines = []
+    for element in frame.elements:
+        lower, upper = sorted(element.ends, key=lambda name: bodies[name].startswith("deck"))
         below, above = bodies[lower], bodies[upper]
-        if one.is_member or (GROUND in (below, above) and not above.startswith("deck")):
+        if element.is_member or (GROUND in (below, above) and not above.startswith("deck")):
             continue
         if below.startswith("deck") or not above.startswith("deck"):
             raise InputError(
-                f"{one.line}: {one.name} joins {below} and {above}; a zero-length element is "
-                "between a deck and a pier, or between one of these and the ground",
+                f"{element.line}: {element.name} joins {below} and {above}; a zero-length "
+                "element is between a deck and a pier, or between one of these and the ground",
                 frame.file,
             )
-        if one.stiffness and one.stiffness[0] > 0.0:
-            found.append((one, lower, upper))
+        if element.stiffness and element.stiffness[0] > 0.0:
+            lines.append((element, lower, upper))
     for a, b, k in frame.ties:
         if WAYS[k] == "x" and bodies[a] != bodies[b]:
             raise InputError(f"nodes {a} and {b} move equally in x: no bearing acts", frame.file)
-    if not found:
+    if not lines:
         raise InputError("has no zero-length element below a deck, a bearing line", frame.file)
-    return found
+    return lines
 
 
 class _Pier(NamedTuple):
@@ -283,7 +298,7 @@ class _Pier(NamedTuple):
     flexibility: float
     mass: float  # effective
     height: float  # of this mass above the base
-    rest: float  # mass at the base
+    base_mass: float
 
 
 def _examine_pier(
@@ -291,9 +306,9 @@ def _examine_pier(
 ) -> _Pier:
     """Return a pier in numbers; see the docstring of the module."""
     alone, nodes = frame.only([*part, *ground]), frame.nodes
-    springs = [one for one in alone.elements if not one.is_member]
-    feet = {one for one in part if any(frame.held.get(one, FREE))}
-    feet |= {end for one in springs for end in one.ends if end in part}
+    springs = [element for element in alone.elements if not element.is_member]
+    feet = {node for node in part if any(frame.held.get(node, FREE))}
+    feet |= {end for spring in springs for end in spring.ends if end in part}
     if len(feet) != 1 or not seats:
         raise InputError(
             f"{name} (nodes {shortened(', '.join(part))}) has {len(feet)} supported nodes and "
@@ -302,14 +317,17 @@ def _examine_pier(
             frame.file,
         )
     (foot,) = feet
-    rigid = _label(alone, [one for one in alone.elements if one.stiffness is None])
-    block = [one for one in part if rigid[one] == rigid[foot]]
-    elastic = [one for one in alone.elements if one.is_elastic]
-    starts = [end for one in elastic for end in one.ends if end in block]
-    base, seat = (max(some, key=lambda one: nodes[one].z) for some in (starts, seats))
+    # The footing is what rigid members join to the supported node; columns begin on it.
+    rigid = _label(alone, [element for element in alone.elements if element.stiffness is None])
+    block = [node for node in part if rigid[node] == rigid[foot]]
+    elastic = [element for element in alone.elements if element.is_elastic]
+    starts = [end for element in elastic for end in element.ends if end in block]
+    base = max(starts, key=lambda node: nodes[node].z)
+    seat = max(seats, key=lambda node: nodes[node].z)
     height = nodes[seat].z - nodes[base].z
-    rocks = not frame.held.get(foot, FREE)[2] and any(nodes[one].mass[2] for one in block)
+    rocks = not frame.held.get(foot, FREE)[2] and any(nodes[node].mass[2] for node in block)
     shape, along = alone.displacement(seat), np.tile([1.0, 0.0, 0.0], len(alone.nodes))
+    # Relative to what carries the pier, whose motion is another coordinate.
     shape = shape - (alone.motions(base if rocks else foot)[0] @ shape) * along
     bent = reach = alone.motions(seat)[0] @ shape
     if rocks:  # the rotation of the footing is one of its own
@@ -319,13 +337,27 @@ def _examine_pier(
         fault = f"{name} has no bearing line that moves above its base, node {base}"
         raise InputError(fault, frame.file)
     shape = shape / reach
-    mass = alone.mass * np.repeat([one in part and one not in block for one in alone.nodes], 3)
+    mass = alone.mass * np.repeat(
+        [node in part and node not in block for node in alone.nodes], len(WAYS)
+    )
+    # The effective mass and its height give the pier the mass and the moment that its first shape
+    # has.
     modal, share = mass @ np.square(shape), mass @ (along * shape)
     if not share > 0.0:
         raise InputError(f"{name} has no mass above its base, node {base}", frame.file)
-    soil = np.sum([np.zeros(3), *(np.array(one.stiffness) for one in springs)], axis=0)
-    size, at = share**2 / modal, height * modal / share
-    return _Pier(foot, base, block, rocks, soil, bent / height**2, size, at, mass @ along - size)
+    soil = np.sum([np.zeros(3), *(np.array(spring.stiffness) for spring in springs)], axis=0)
+    effective = share**2 / modal
+    return _Pier(
+        foot=foot,
+        base=base,
+        block=block,
+        rocks=rocks,
+        soil=soil,
+        flexibility=bent / height**2,
+        mass=effective,
+        height=height * modal / share,
+        base_mass=mass @ along - effective,
+    )
 
 
 def _place_pier(
@@ -334,10 +366,10 @@ def _place_pier(
     """Return a pier as bodies with masses and springs, with a footing if the support moves."""
     nodes, side, rocks = frame.nodes, frame.held.get(pier.foot, FREE)[0], pier.rocks
     foot, base = METRE * nodes[pier.foot].z, METRE * nodes[pier.base].z
-    block = [nodes[one] for one in pier.block]
+    block = [nodes[node_name] for node_name in pier.block]
     below = GROUND if side and not rocks else name.replace("pier", "footing")
     at = {"x": METRE * nodes[pier.base].x}
-    masses = _mass(name, pier.mass, base + METRE * pier.height) + _mass(name, pier.rest, base)
+    masses = _mass(name, pier.mass, base + METRE * pier.height) + _mass(name, pier.base_mass, base)
     for node in block:
         at_foot = below, node.mass[0], METRE * node.z, node.mass[2]
         masses += _mass(name, node.mass[0], base) if below == GROUND else _mass(*at_foot)
@@ -346,30 +378,30 @@ def _place_pier(
         on = GROUND if side else None
         bodies = [Body(name=below, base_height=foot, on=on, moves=not side, rotates=rocks, **at)]
     if not side:
-        size, own = pier.soil[0] / METRE, f"{below}, sideways"
-        springs.append(Spring(name=own, body=below, height=foot, stiffness=size))
+        stiffness, spring_name = pier.soil[0] / METRE, f"{below}, sideways"
+        springs.append(Spring(name=spring_name, body=below, height=foot, stiffness=stiffness))
     if rocks:
-        size, own = METRE * pier.soil[2], f"{below}, rocking"
-        springs.append(Spring(name=own, body=below, rotational_stiffness=size))
-    size, own = METRE / pier.flexibility, f"{name}, bending"
-    springs.append(Spring(name=own, body=name, base=below, rotational_stiffness=size))
+        stiffness, spring_name = METRE * pier.soil[2], f"{below}, rocking"
+        springs.append(Spring(name=spring_name, body=below, rotational_stiffness=stiffness))
+    stiffness, spring_name = METRE / pier.flexibility, f"{name}, bending"
+    springs.append(Spring(name=spring_name, body=name, base=below, rotational_stiffness=stiffness))
     bodies.append(Body(name=name, base_height=base, on=below, rotates=True, **at))
     return bodies, masses, springs
 
 
 def _mass(body: str, mass: float, height: float, inertia: float = 0.0) -> list[Mass]:
     """Return a mass [t, t m²] of a body at a height [mm]; nothing if it is zero."""
-    own = {"mass": mass / METRE, "rotary_inertia": METRE * inertia}
-    return [Mass(body=body, height=height, **own)] if mass > SMALLEST else []
+    values = {"mass": mass / METRE, "rotary_inertia": METRE * inertia}
+    return [Mass(body=body, height=height, **values)] if mass > SMALLEST else []
 
 
 def _place_deck(
     frame: Frame, name: str, part: list[str]
 ) -> tuple[list[Body], list[Mass], list[Spring]]:
     """Return a deck as a body with its mass."""
-    nodes = [frame.nodes[one] for one in part]
+    nodes = [frame.nodes[node_name] for node_name in part]
     masses = [node.mass[0] for node in nodes]
-    stuck = [one for one in part if frame.held.get(one, FREE)[0]]
+    stuck = [node_name for node_name in part if frame.held.get(node_name, FREE)[0]]
     if stuck or sum(masses) < SMALLEST:
         fault = f"is fixed in x at node {stuck[0]}" if stuck else "has no mass"
         raise InputError(
@@ -384,8 +416,8 @@ def _place_deck(
 def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
     """Return the structure that a frame becomes, and the body of each node."""
     parts = _find_parts(frame)
-    of = {node: name for name, part in parts.items() for node in part}
-    lines, ground, nodes = _find_lines(frame, of), parts.pop(GROUND), frame.nodes
+    body_of_node = {node: name for name, part in parts.items() for node in part}
+    lines, ground, nodes = _find_lines(frame, body_of_node), parts.pop(GROUND), frame.nodes
     placed = []
     for name, part in parts.items():
         if name.startswith("deck"):
@@ -394,15 +426,20 @@ def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
             seats = [lower for _, lower, _ in lines if lower in part]
             pier = _examine_pier(frame, name, part, ground, seats)
             placed.append(_place_pier(frame, name, pier))
-            of |= dict.fromkeys(pier.block, placed[-1][0][-1].on or GROUND)  # the footing
-    bodies, masses, springs = (list(chain(*each)) for each in zip(*placed, strict=True))
+            # Nodes of a footing belong to it, or to the ground where it does not move.
+            body_of_node |= dict.fromkeys(pier.block, placed[-1][0][-1].on or GROUND)
+    bodies, masses, springs = (list(chain(*column)) for column in zip(*placed, strict=True))
     bearings = []
-    for one, lower, upper in lines:
-        node = nodes[upper if of[lower] == GROUND else lower]
-        own: dict[str, Any] = {"height": METRE * node.z, "x": METRE * node.x}
-        own |= {"body": of[upper], "base": of[lower], "count": one.bearings}
-        size = one.stiffness[0] / one.bearings / METRE if one.stiffness else 0.0
-        bearings.append(BearingLine(name=one.name, equivalent_stiffness=size, **own))
+    for element, lower, upper in lines:
+        node = nodes[upper if body_of_node[lower] == GROUND else lower]
+        fields: dict[str, Any] = {"height": METRE * node.z, "x": METRE * node.x}
+        fields |= {
+            "body": body_of_node[upper],
+            "base": body_of_node[lower],
+            "count": element.bearings,
+        }
+        size = element.stiffness[0] / element.bearings / METRE if element.stiffness else 0.0
+        bearings.append(BearingLine(name=element.name, equivalent_stiffness=size, **fields))
     deck = largest_by(
         [mass for mass in masses if mass.body.startswith("deck")], lambda mass: mass.mass
     )
@@ -413,13 +450,16 @@ def _condense(frame: Frame) -> tuple[Structure, dict[str, str]]:
         top = max(line.height for line in on_piers if line.base == name)
         report |= {"pier": name, "pier_base": base, "pier_top": top}
     path = Path(frame.file)
-    found = Structure(
+    structure = Structure(
         name=printable(path.stem)[:60],
         description=f"Imported from the frame in {printable(path.name)}",
-        **{"bodies": bodies, "masses": masses, "springs": springs, "bearings": bearings},
+        bodies=bodies,
+        masses=masses,
+        springs=springs,
+        bearings=bearings,
         report=Reported(**report),
     )
-    return found, of
+    return structure, body_of_node
 
 
 class ImportedFrame(StructureResult):
@@ -456,24 +496,31 @@ class ImportedFrame(StructureResult):
             body, z = self.bodies[name], METRE * node.z
             at, above = (displacement_row(self.structure, body, z + h) for h in (0, 1))
             motions += [at / METRE, 0.0 * at, at - above]  # rotations have the other sign
-        own, full, mass = np.array(motions) @ self.prepared.modes.shapes, modes.shapes, frame.mass
-        sizes = [mass @ np.square(shapes) for shapes in (own, full)]
-        alike = np.square(own.T @ (mass[:, None] * full)) / np.outer(*sizes).clip(TINY)
-        within = alike.sum(axis=0) > ALIKE  # modes that those of the structure describe together
-        found: dict[int, int] = {}  # modes of the frame, by those of the structure
+        structure_shapes = np.array(motions) @ self.prepared.modes.shapes
+        frame_shapes, mass = modes.shapes, frame.mass
+        sizes = [mass @ np.square(shapes) for shapes in (structure_shapes, frame_shapes)]
+        # Modal assurance criterion with the mass of the frame: squares of cosines.
+        inner_products = structure_shapes.T @ (mass[:, None] * frame_shapes)
+        similarity = np.square(inner_products) / np.outer(*sizes).clip(TINY)
+        # Modes of the frame that those of the structure describe together.
+        described = similarity.sum(axis=0) > ALIKE
+        matches: dict[int, int] = {}  # modes of the frame, by those of the structure
         for k, period in enumerate(self.prepared.modes.periods):
-            near = np.abs(modes.periods / period - 1.0) < LIMIT
-            fits = (alike[k] > ALIKE) | (within & near)  # equal piers mix their shapes
-            fits[list(found.values())] = False
+            is_close = np.abs(modes.periods / period - 1.0) < LIMIT
+            fits = (similarity[k] > ALIKE) | (described & is_close)  # equal piers mix their shapes
+            fits[list(matches.values())] = False
             if fits.any():
-                found[k] = place_of_largest(np.where(fits, alike[k], -1.0))
-        mass, full = (each[:: len(WAYS)] for each in (mass, full))
-        shares = np.square(mass @ full) / mass.sum()
-        others = pd.DataFrame({"frame_period_s": modes.periods, "frame_effective_mass": shares})
-        others = others[others.index.isin(found.values()) | (shares > LOST)]
+                matches[k] = place_of_largest(np.where(fits, similarity[k], -1.0))
+        mass, frame_shapes = (values[:: len(WAYS)] for values in (mass, frame_shapes))
+        shares = np.square(mass @ frame_shapes) / mass.sum()
+        frame_modes = pd.DataFrame(
+            {"frame_period_s": modes.periods, "frame_effective_mass": shares}
+        )
+        frame_modes = frame_modes[frame_modes.index.isin(matches.values()) | (shares > LOST)]
         table = self.table[["mode", "period_s", "effective_mass"]]
-        table = table.set_index(pd.Index([found.get(k, -1 - k) for k in range(len(table))]))
-        periods = table.join(others, how="outer").sort_values("mode", kind="stable")
+        # Modes without a counterpart get negative numbers, which join nothing.
+        table = table.set_index(pd.Index([matches.get(k, -1 - k) for k in range(len(table))]))
+        periods = table.join(frame_modes, how="outer").sort_values("mode", kind="stable")
         periods["period_difference"] = periods["period_s"] / periods["frame_period_s"] - 1.0
         order = order_from_largest(periods["period_s"].fillna(periods["frame_period_s"]))
         return periods.iloc[order].reset_index(drop=True)
@@ -481,27 +528,26 @@ class ImportedFrame(StructureResult):
     @property
     def warnings(self) -> list[str]:
         """Implausible numbers, and what the structure does not have of the frame."""
-        found = list(super().warnings)
+        messages = list(super().warnings)
         for row in self.periods.to_dict("records"):
-            own, full, gap = (
-                row[key] for key in ("period_s", "frame_period_s", "period_difference")
-            )
-            share, lost = row["effective_mass"], row["frame_effective_mass"]
-            if abs(gap) > LIMIT:
-                found.append(
-                    f"The period of {own:.4g} s is {full:.4g} s in the frame, a difference of "
-                    f"{gap:+.1%} (limit {LIMIT:.0%}): one rotation of each pier does not describe "
-                    "this mode"
+            period, frame_period = row["period_s"], row["frame_period_s"]
+            difference = row["period_difference"]
+            share, frame_share = row["effective_mass"], row["frame_effective_mass"]
+            if abs(difference) > LIMIT:
+                messages.append(
+                    f"The period of {period:.3g} s is {frame_period:.3g} s in the frame "
+                    f"({difference:+.0%}; limit {LIMIT:.0%}): this mode bends the piers, which are "
+                    "rigid here"
                 )
-            elif np.isnan(own):
-                found.append(
-                    f"The mode of the frame at {full:.4g} s, with {lost:.1%} of the mass, has no "
-                    "counterpart: higher modes of piers and decks are lost"
+            elif np.isnan(period):
+                messages.append(
+                    f"The mode of the frame at {frame_period:.3g} s, with {frame_share:.0%} of the "
+                    "mass, is not in the model: it bends piers or decks, which are rigid here"
                 )
-            elif np.isnan(full) and share > LOST:
+            elif np.isnan(frame_period) and share > LOST:
                 words = f"with {share:.1%} of the mass, has no counterpart in the frame"
-                found.append(f"The mode at {own:.4g} s, {words}")
-        return found
+                messages.append(f"The mode at {period:.4g} s, {words}")
+        return messages
 
     def tables(self) -> dict[str, Table]:
         """Return the parts, the modes, and the comparison of periods."""

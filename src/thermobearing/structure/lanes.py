@@ -124,20 +124,20 @@ def _none_kept(run: Run) -> NDArray[np.bool_]:
 
 def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
     """Return the energy stored in the bearings of all lines [b]."""
-    found = np.zeros(lines)
+    energies = np.zeros(lines)
     for numbers, states in kinds:
-        found[numbers] = states.books["recoverable"][:, 0]
-    return found
+        energies[numbers] = states.books["recoverable"][:, 0]
+    return energies
 
 
 def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
     """Return the records of the modelled bearings of all lines [b]."""
     components = bearings[0].states.books["displacement"].ndim - 1
-    found = rows(Books, lines, components=components)
+    books = rows(Books, lines, components=components)
     for kind in bearings:
         for m, line in enumerate(kind.lines):
-            found[int(line)] = kind.states.books[m, 0]
-    return found
+            books[int(line)] = kind.states.books[m, 0]
+    return books
 
 
 def _build_scheme(run: Run, halvings: int) -> types.Scheme:
@@ -145,15 +145,15 @@ def _build_scheme(run: Run, halvings: int) -> types.Scheme:
 
 
 def _collect_peaks(
-    bearings: Bearings, books: Any, noted: Sequence[Any], stored: Floats, steps: int, outcome: int
+    bearings: Bearings, books: Any, peaks: Sequence[Any], stored: Floats, steps: int, outcome: int
 ) -> RunPeaks:
     """Return the peaks of a run alone from its records; `stored` [b] is the energy at its start."""
-    named = OUTCOMES[outcome]
-    if named == "completed" and not all_physical(bearings, stored):
-        named = NOT_PHYSICAL
-    watches, lines, hinges = noted
+    outcome_name = OUTCOMES[outcome]
+    if outcome_name == "completed" and not all_physical(bearings, stored):
+        outcome_name = NOT_PHYSICAL
+    watches, lines, hinges = peaks
     return RunPeaks(
-        outcome=named,
+        outcome=outcome_name,
         steps=steps,
         iterations=int(books[0].iterations),
         substeps=int(books[0].substeps),
@@ -173,17 +173,18 @@ def run_peaks(run: Run) -> RunPeaks:
     the steps up to there are done again.
     """
     _check_method(run)
-    found, _ = _marched(run, 0)
-    if found.steps == len(run.ground) - 1:
-        return found
+    peaks, _ = _marched(run, 0)
+    if peaks.steps == len(run.ground) - 1:
+        return peaks
+    # The run ended within a step: `peaks` has the last full step, but energies and bearings do not.
     virgin = build_bearings(*start_arguments(run.prepared, run.lines))
     books, ended = rows(types.MotionBooks, 1), _modelled_books(virgin, len(run.lines))
-    if found.steps > 0:
-        _, kept = _marched(run, found.steps)
+    if peaks.steps > 0:
+        _, kept = _marched(run, peaks.steps)
         books = kept.books
         for line in range(len(run.lines)):
             ended[line] = kept.bearings[0, line]
-    return found._replace(books=books, bearings=ended)
+    return peaks._replace(books=books, bearings=ended)
 
 
 def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
@@ -199,8 +200,8 @@ def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
         shaking.keep[kept - 1] = True
     march = peaks_march if system.load.ndim == 1 else plane_march
     scheme = _build_scheme(run, HALVINGS)
-    done, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
-    return _collect_peaks(bearings, motion.books, peaks[2:], stored, int(done), int(outcome)), room
+    steps, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
+    return _collect_peaks(bearings, motion.books, peaks[2:], stored, int(steps), int(outcome)), room
 
 
 def _check_method(run: Run) -> None:
@@ -218,7 +219,7 @@ def _constants_shape(constants: Constants) -> Any:
     ends: Any = constants.lead_cells
     modes: Any = constants.lead_modes
     places = [(cells, name) for name in ("first", "last", "upper_middle", "lower_middle")]
-    places += [(ends, "cell"), (ends, "port"), (modes, "port"), (modes, "other")]
+    places += [(ends, "cell"), (ends, "port"), (modes, "port"), (modes, "second_port")]
     return (
         *(rows_[name].tobytes() for rows_, name in places),
         len(constants.law),
@@ -252,9 +253,10 @@ def _likeness(run: Run) -> Any:
     moving = tuple(bool(line.speed != 0.0) for line in run.lines)
     kinds: list[Any] = []
     for numbers in line_kinds(constants):
-        one = constants[numbers[0]]
-        heat = b"".join(array.tobytes() for array in one.cells)
-        kinds.append((tuple(numbers), _constants_shape(one), heat))
+        kind_constants = constants[numbers[0]]
+        # Cells are shared in a lockstep (`SharedCells`), so they must be alike to the bit.
+        heat = b"".join(array.tobytes() for array in kind_constants.cells)
+        kinds.append((tuple(numbers), _constants_shape(kind_constants), heat))
     return sizes, len(matrices.hinge_rows), watched, run.dt, run.method, moving, *kinds
 
 
@@ -264,24 +266,24 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     Numbers differ from those of `run_peaks` by rounding (1e-12 of the largest), and never by
     the other runs.
     """
-    companies: dict[Any, Company] = {}
+    locksteps: dict[Any, Lockstep] = {}
     waiting: dict[Any, list[int]] = {}
-    found: dict[int, RunPeaks] = {}
+    results: dict[int, RunPeaks] = {}
 
     def _finish(key: Any, together: list[int]) -> None:
-        shaken = companies[key].shake([runs[k] for k in together])
-        found.update(zip(together, shaken, strict=True))
+        peaks = locksteps[key].shake([runs[k] for k in together])
+        results.update(zip(together, peaks, strict=True))
 
     for number, run in enumerate(runs):
         key = _likeness(run)
-        if key not in companies:
-            companies[key] = Company(run)
+        if key not in locksteps:
+            locksteps[key] = Lockstep(run)
         waiting.setdefault(key, []).append(number)
         if len(waiting[key]) == WIDTH:
             _finish(key, waiting.pop(key))
-    for key, together in waiting.items():
-        _finish(key, together)
-    return [found[number] for number in range(len(runs))]
+    for key, numbers in waiting.items():
+        _finish(key, numbers)
+    return [results[number] for number in range(len(runs))]
 
 
 def with_shared_cells(constants: Constants) -> Constants:
@@ -297,32 +299,32 @@ def _scratch(kind: Kind) -> tuple[Workspace, Floats, Floats]:
     return new_workspace(constants, components), elastic, hysteretic
 
 
-class Company:
+class Lockstep:
     """Runs of one shape in lockstep, WIDTH at a time; inputs that they share are stored."""
 
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)
-        self.keep, self.bearings = (
-            _none_kept(run),
-            build_bearings(*start_arguments(run.prepared, run.lines)),
-        )
+        self.keep = _none_kept(run)
+        self.bearings = build_bearings(*start_arguments(run.prepared, run.lines))
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
         work = tuple((kind.durations, *_scratch(kind)) for kind in self.bearings)
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
         self._systems: dict[Any, types.System] = {}
-        self._made: dict[Any, tuple[Sequence[Any], Any]] = {}
+        self._joined: dict[Any, tuple[Sequence[Any], Any]] = {}
 
     def shake(self, runs: Sequence[Run]) -> list[RunPeaks]:
         """Return the peaks of at most WIDTH runs; empty lanes repeat the last."""
+        # All lanes run: those without a run of their own repeat one, and are not read.
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
         starts = [start_states(*start_arguments(run.prepared, run.lines)) for run in filled]
+        # The march writes into these; the originals serve the next runs.
         work, motion, peaks = twin(self.scratch)
         places, carried = side_by_side([_watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)
         outcomes = aligned((1, WIDTH), np.float64)
         march = lanes_march if runs[0].ground.ndim == 1 else plane_lanes_march
-        done = march(
+        steps = march(
             self._once([self._system(run) for run in filled]),
             bearings,
             motion,
@@ -332,10 +334,10 @@ class Company:
             peaks._replace(places=places, carried=carried),
             outcomes,
         )
-        made = tuple(kind.states for kind in bearings), motion.books, peaks[2:]
-        each = each_lane(made, (starts[0], self.motion.books, self.peaks[2:]))
+        records = tuple(kind.states for kind in bearings), motion.books, peaks[2:]
+        run_records = each_lane(records, (starts[0], self.motion.books, self.peaks[2:]))
         return [
-            self._peaks(run, starts[lane], *each[lane], int(done))
+            self._peaks(run, starts[lane], *run_records[lane], int(steps))
             if outcomes[0, lane] == COMPLETED
             else run_peaks(run)
             for lane, run in enumerate(runs)
@@ -349,15 +351,15 @@ class Company:
 
     def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
         """Return the bearings of some runs as one, with their states at the start."""
-        found = []
+        kinds = []
         for k, kind in enumerate(self.bearings):
             line = int(kind.lines[0])
             constants = self._once([run.lines[line].constants for run in runs], with_shared_cells)
             states = side_by_side([start[k] for start in starts])
             durations, scratch, elastic, hysteretic = work[k]
-            each = split(scratch, elastic, hysteretic, states, twin(states))
-            found.append(Kind(constants, kind.lines, durations, states, each))
-        return tuple(found)
+            bearings = split(scratch, elastic, hysteretic, states, twin(states))
+            kinds.append(Kind(constants, kind.lines, durations, states, bearings))
+        return tuple(kinds)
 
     def _system(self, run: Run) -> types.System:
         """Return the structure of a run; runs with the same one and the same lines share it."""
@@ -367,17 +369,19 @@ class Company:
             self._systems[key] = build_system(run.prepared, run.lines)
         return self._systems[key]
 
-    def _once(self, given: Sequence[T], change: Callable[[T], T] | None = None) -> T:
+    def _once(self, inputs: Sequence[T], change: Callable[[T], T] | None = None) -> T:
         """Return inputs that are only read, side by side; made once for the same ones."""
-        key = tuple(map(id, given))
-        if key not in self._made:
-            parts = [change(one) for one in given] if change else given
-            self._made[key] = given, side_by_side(parts)
-        made: T = self._made[key][1]
-        return made
+        # Inputs are told apart by address. They are kept with the result, so that no other gets
+        # theirs.
+        key = tuple(map(id, inputs))
+        if key not in self._joined:
+            parts = [change(entry) for entry in inputs] if change else inputs
+            self._joined[key] = inputs, side_by_side(parts)
+        joined: T = self._joined[key][1]
+        return joined
 
     def _peaks(
-        self, run: Run, start: Any, states: Any, books: Any, noted: Any, steps: int
+        self, run: Run, start: Any, states: Any, books: Any, noted_peaks: Any, steps: int
     ) -> RunPeaks:
         ended = tuple(
             kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
@@ -385,5 +389,5 @@ class Company:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        found = _collect_peaks(ended, books, noted, stored, steps, COMPLETED)
-        return found._replace(alone=False)
+        peaks = _collect_peaks(ended, books, noted_peaks, stored, steps, COMPLETED)
+        return peaks._replace(alone=False)

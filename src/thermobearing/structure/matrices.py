@@ -4,7 +4,8 @@ The damping matrix is that of the structure without its bearings, whose hysteres
 damping. What only bearings hold (the deck) then moves freely, without a dashpot to the ground;
 every other motion has the ratios of its parts weighted with strain energy. The exceptions are
 `source`: Rayleigh damping through modes 1 and 2 of the structure, whose mass term holds
-the deck too; and `element`, where bearings with a ratio have a dashpot across them.
+the deck too; `source-with-bearings`, whose stiffness term has the bearings too; and `element`,
+where bearings with a ratio have a dashpot across them.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,6 +22,7 @@ from thermobearing.results.sums import product_in_order
 from thermobearing.structure.model import (
     DIRECTIONS,
     GROUND,
+    SOURCE_KINDS,
     BearingLine,
     Damping,
     Hinge,
@@ -75,18 +77,20 @@ def _coordinates(structure: Structure) -> list[str]:
 def describe_coordinates(structure: Structure) -> list[tuple[str, Quantity]]:
     """Return the name of each coordinate, body by body, and its quantity."""
     moves, rotates = quantity("coordinate_mm"), quantity("coordinate_rad")
-    found = []
+    coordinates = []
     for body in structure.bodies:
-        found += [(name, moves) for name in _names(structure, body.name) * body.moves]
+        coordinates += [(name, moves) for name in _names(structure, body.name) * body.moves]
         names = _names(structure, body.name, " rotation") * body.rotates
-        found += [(name, rotates) for name in names + [f"{body.name} twist"] * bool(body.twists)]
-    return found
+        coordinates += [
+            (name, rotates) for name in names + [f"{body.name} twist"] * bool(body.twists)
+        ]
+    return coordinates
 
 
 def _names(structure: Structure, name: str, motion: str = "") -> list[str]:
     """Return the names of the sideways motion of a body, or its " rotation", in each direction."""
     if structure.plan:
-        return [f"{name}{motion} {way}" for way in DIRECTIONS]
+        return [f"{name}{motion} {direction}" for direction in DIRECTIONS]
     return [f"{name}{motion or ' x'}"]
 
 
@@ -98,9 +102,9 @@ def unit(structure: Structure, name: str) -> Floats:
     return row
 
 
-def _own(structure: Structure, name: str, motion: str = "") -> Floats:
+def _motion_rows(structure: Structure, name: str, motion: str = "") -> Floats:
     """Return the rows of a motion: [n], or [n, 2] in plan."""
-    rows = [unit(structure, one) for one in _names(structure, name, motion)]
+    rows = [unit(structure, coordinate) for coordinate in _names(structure, name, motion)]
     return np.stack(rows, axis=-1) if structure.plan else rows[0]
 
 
@@ -116,7 +120,7 @@ def _rotation_row(structure: Structure, name: str) -> Floats:
         return _at_rest(structure)
     body = structure.body(name)
     if body.rotates:
-        return _own(structure, name, " rotation")
+        return _motion_rows(structure, name, " rotation")
     return _rotation_row(structure, body.on or GROUND)
 
 
@@ -138,23 +142,24 @@ def displacement_row(
         return _at_rest(structure)
     body, place = structure.body(name), structure.place(name)
     if body.on is None:
-        base = _own(structure, name)
+        base = _motion_rows(structure, name)
     else:
         base = displacement_row(structure, body.on, body.base_height, *place)
     row = base + (height - body.base_height) * _rotation_row(structure, name)
     if not structure.plan:
         return row
+    # A twist moves a point across its arm: by -y along x, and by x along y.
     arm = np.array([place[1] if y is None else y, place[0] if x is None else x]) - place[::-1]
     return np.asarray(row + np.outer(_twist_row(structure, name), arm * [-1.0, 1.0]))
 
 
 def mean_height(structure: Structure, name: str) -> float:
     """Return the mean height of the masses of a body [mm]; its base if it has none."""
-    mine = [mass for mass in structure.masses if mass.body == name]
-    total = sum(mass.mass for mass in mine)
-    if not mine:
+    masses = [mass for mass in structure.masses if mass.body == name]
+    total = sum(mass.mass for mass in masses)
+    if not masses:
         return structure.body(name).base_height
-    return sum(mass.mass * mass.height for mass in mine) / total
+    return sum(mass.mass * mass.height for mass in masses) / total
 
 
 def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -> Matrices:
@@ -175,6 +180,8 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
             moving = displacement_row(structure, item.body, item.height, *structure.point(item))
             load -= item.mass * moving
         else:
+            # Eq. 6.4-6.7 couple no coordinates: a mass is on the motion of its body, or turns about
+            # its base.
             turning = (item.height - body.base_height) * _rotation_row(structure, body.name)
             moving = unit(structure, f"{body.name} x") if body.moves else turning
             load -= item.mass * moving * body.moves
@@ -201,15 +208,16 @@ def twist_load(structure: Structure) -> tuple[Floats, float]:
     """Return force [n] per angular acceleration of a ground that turns, and inertia [kN mm s2]."""
     mass = np.array([item.mass for item in structure.masses])
     points = np.array([structure.point(item) for item in structure.masses])
+    # About the centre of mass, where a ground that turns does not push sideways.
     arms = points - product_in_order(points.T, mass) / mass.sum()
     load, inertia = np.zeros(len(_coordinates(structure))), 0.0
     for item, (x, y) in zip(structure.masses, arms, strict=True):
         moving = displacement_row(structure, item.body, item.height, *structure.point(item))
-        own = item.twist_inertia or 0.0
-        load -= item.mass * (x * moving[:, 1] - y * moving[:, 0]) + own * _twist_row(
+        own_inertia = item.twist_inertia or 0.0
+        load -= item.mass * (x * moving[:, 1] - y * moving[:, 0]) + own_inertia * _twist_row(
             structure, item.body
         )
-        inertia += item.mass * (x * x + y * y) + own
+        inertia += item.mass * (x * x + y * y) + own_inertia
     return load, float(inertia)
 
 
@@ -227,12 +235,12 @@ def _spring_parts(structure: Structure, spring: Spring) -> list[Part]:
     else:
         row = _difference(_rotation_row, structure, spring)
     rows = [
-        one
-        for way, one in zip(DIRECTIONS, np.atleast_2d(row.T), strict=False)
-        if spring.direction in (None, way, "twist")
+        component
+        for direction, component in zip(DIRECTIONS, np.atleast_2d(row.T), strict=False)
+        if spring.direction in (None, direction, "twist")
     ]
     size = spring.rotational_stiffness or 0.0 if spring.stiffness is None else spring.stiffness
-    return [(spring.damping_ratio, np.asarray(size * _square(one))) for one in rows]
+    return [(spring.damping_ratio, np.asarray(size * _square(component))) for component in rows]
 
 
 def _difference(
@@ -261,9 +269,11 @@ def _stretch_row(structure: Structure, line: BearingLine) -> Floats:
 
 def _check_names(structure: Structure, names: list[str], mass_model: MassModel) -> None:
     """Refuse two coordinates of one name, and a mass model that has no plan."""
-    twice = [name for name in names if names.count(name) > 1]
-    if twice:
-        raise InputError(f'two coordinates are called "{twice[0]}": rename a body', structure.name)
+    duplicates = [name for name in names if names.count(name) > 1]
+    if duplicates:
+        raise InputError(
+            f'two coordinates are called "{duplicates[0]}": rename a body', structure.name
+        )
     if structure.plan and mass_model != "consistent":
         raise InputError(
             f'mass = "{mass_model}": a structure in plan takes "consistent" only', structure.name
@@ -290,11 +300,21 @@ def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
 def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
     """Return the stiffness [n, n] of the lines, with `each` of ONE bearing of each line [kN/mm]."""
     lines = structure.bearings
-    one = np.array([line.equivalent_stiffness for line in lines]) if each is None else each
-    values = one * np.array([line.count for line in lines])
+    per_bearing = np.array([line.equivalent_stiffness for line in lines]) if each is None else each
+    values = per_bearing * np.array([line.count for line in lines])
     rows = _line_rows(matrices)
+    # In plan a line is equally stiff in both directions.
     values = np.repeat(values, len(rows) // len(values))
     return product_in_order(rows.T, values[:, None] * rows)
+
+
+def total_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
+    """Return the stiffness [n, n] of springs, hinges and bearing lines.
+
+    `each` is that of ONE bearing of each line [kN/mm], by default its equivalent stiffness.
+    """
+    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
+    return stiffness + line_stiffness(structure, matrices, each)
 
 
 def _line_rows(matrices: Matrices) -> Floats:
@@ -306,6 +326,7 @@ def find_modes(
     mass: Floats, stiffness: Floats, where: str = "structure", names: Sequence[str] = ()
 ) -> Modes:
     """Return all natural modes, longest period first; InputError for a mechanism."""
+    # Each coordinate relative to its own mass: rotations and displacements have other units.
     scale = np.sqrt(np.diag(mass))
     values, shapes = scipy.linalg.eigh(mass / np.outer(scale, scale))
     if values[0] <= NO_MASS:
@@ -332,9 +353,9 @@ def _motion(names: Sequence[str], share: Floats) -> str:
     return f"the motion of {', '.join(moving)}" if moving else "some motion"
 
 
-def _own_parts(structure: Structure, matrices: Matrices) -> list[Part]:
+def _spring_and_hinge_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     """Return damping ratio and stiffness of springs and hinges."""
-    parts = [part for one in structure.springs for part in _spring_parts(structure, one)]
+    parts = [part for spring in structure.springs for part in _spring_parts(structure, spring)]
     for hinge, row in zip(list_hinges(structure), matrices.hinge_rows, strict=True):
         parts.append((hinge.damping_ratio, hinge.stiffness * np.outer(row, row)))
     return parts
@@ -345,8 +366,8 @@ def _line_parts(structure: Structure, matrices: Matrices) -> list[Part]:
     rows = np.split(_line_rows(matrices), len(structure.bearings))
     return [
         (line.damping_ratio, line.count * line.equivalent_stiffness * np.outer(row, row))
-        for line, own in zip(structure.bearings, rows, strict=True)
-        for row in own
+        for line, line_rows in zip(structure.bearings, rows, strict=True)
+        for row in line_rows
     ]
 
 
@@ -366,8 +387,8 @@ def _bare_modes(structure: Structure, matrices: Matrices) -> Modes:
     """Return the modes without the bearings that have stiffness, longest period first."""
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     values, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
-    held = (values > 0.0) & (values > NO_STIFFNESS * values[-1])
-    return Modes(np.sqrt(values[held]), shapes[:, held])
+    resisted = (values > 0.0) & (values > NO_STIFFNESS * values[-1])
+    return Modes(np.sqrt(values[resisted]), shapes[:, resisted])
 
 
 def mode_damping(matrix: Floats, modes: Modes) -> Floats:
@@ -382,7 +403,7 @@ def _from_ratios(mass: Floats, modes: Modes, ratios: Floats) -> Floats:
     return np.asarray((pushed * (2.0 * ratios * modes.frequencies)) @ pushed.T)
 
 
-def _rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str) -> Floats:
+def _rayleigh_ratios(damping: Damping, modes: Modes, part_ratios: Floats, where: str) -> Floats:
     """Return xi_k = a/(2 omega_k) + b omega_k/2 through the chosen modes; b alone of one."""
     count = len(modes.frequencies)
     numbers = damping.modes or tuple(range(1, min(DAMPED_MODES, count) + 1))
@@ -393,13 +414,14 @@ def _rayleigh_ratios(damping: Damping, modes: Modes, wanted: Floats, where: str)
             where,
         )
     chosen = np.array(numbers) - 1
-    aim = wanted[chosen] if damping.ratios is None else np.array(damping.ratios)
+    aim = part_ratios[chosen] if damping.ratios is None else np.array(damping.ratios)
     if len(aim) != len(chosen):
         raise InputError(
             f"damping.ratios: {len(aim)} numbers for {len(chosen)} mode(s); see damping.modes",
             where,
         )
     w = modes.frequencies
+    # With one mode only the stiffness term, the last column, is left.
     columns = np.column_stack([0.5 / w, 0.5 * w])[:, DAMPED_MODES - len(chosen) :]
     factors = np.linalg.lstsq(columns[chosen], aim)[0]
     return np.asarray(columns @ factors)
@@ -418,36 +440,44 @@ def _dashpots(parts: list[Part], modes: Modes) -> Floats:
     return matrix
 
 
-def _modal_ratios(damping: Damping, wanted: Floats, where: str) -> Floats:
+def _modal_ratios(damping: Damping, part_ratios: Floats, where: str) -> Floats:
     """Return a ratio for each mode, or one for all; by default those of the parts."""
     if damping.ratios is None:
-        return wanted
-    if len(damping.ratios) not in (1, len(wanted)):
+        return part_ratios
+    if len(damping.ratios) not in (1, len(part_ratios)):
         raise InputError(
             f"damping.ratios: {len(damping.ratios)} numbers, but without its bearings the "
-            f"structure has {len(wanted)} mode(s); give one for each, or one for all",
+            f"structure has {len(part_ratios)} mode(s); give one for each, or one for all",
             where,
         )
-    return np.full(len(wanted), damping.ratios)
+    return np.full(len(part_ratios), damping.ratios)
 
 
 def _source_matrix(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
-    """Return C = a M + b K', K' the stiffness without the bearings, through modes 1 and 2."""
-    parts = [*_own_parts(structure, matrices), *_line_parts(structure, matrices)]
-    wanted = structure.damping.ratios or tuple(_weighed_ratios(parts, modes))[:DAMPED_MODES]
+    """Return C = a M + b K through modes 1 and 2 of the structure on its bearings.
+
+    K is the stiffness without the bearings (section 6.2.3); of kind "source-with-bearings" it is
+    all [K] of Eq. 3.3, the bearings with their equivalent stiffness.
+    """
+    parts = [*_spring_and_hinge_parts(structure, matrices), *_line_parts(structure, matrices)]
+    ratios = structure.damping.ratios or tuple(_weighed_ratios(parts, modes))[:DAMPED_MODES]
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
+    if structure.damping.kind == "source-with-bearings":
+        stiffness = stiffness + line_stiffness(structure, matrices)
     modal = _energies((0.0, stiffness), modes.shapes)
     count = min(DAMPED_MODES, len(modes.frequencies))
+    # 2 xi omega = a + b phi'K phi for modes of unit mass.
     equations = np.column_stack([np.ones(count), modal[:count]])
-    right = 2.0 * np.array(wanted[:count]) * modes.frequencies[:count]
+    right = 2.0 * np.array(ratios[:count]) * modes.frequencies[:count]
     a, b = np.linalg.lstsq(equations, right)[0]
     return np.asarray(a * matrices.mass + b * stiffness)
 
 
 def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Floats:
     """Return the damping matrix [n, n]; `modes` are with the equivalent stiffness of bearings."""
-    damping, parts, where = structure.damping, _own_parts(structure, matrices), structure.name
-    if damping.kind == "source":
+    damping, where = structure.damping, structure.name
+    parts = _spring_and_hinge_parts(structure, matrices)
+    if damping.kind in SOURCE_KINDS:
         matrix = _source_matrix(structure, matrices, modes)
     elif damping.kind == "none":
         matrix = np.zeros_like(matrices.mass)
@@ -458,11 +488,11 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
         bare = _bare_modes(structure, matrices)
         if not len(bare.frequencies):  # everything stands on bearings
             return np.zeros_like(matrices.mass)
-        wanted = _weighed_ratios(parts, bare)
+        part_ratios = _weighed_ratios(parts, bare)
         if damping.kind == "modal":
-            matrix = _from_ratios(matrices.mass, bare, _modal_ratios(damping, wanted, where))
+            matrix = _from_ratios(matrices.mass, bare, _modal_ratios(damping, part_ratios, where))
         else:
-            ratios = _rayleigh_ratios(damping, bare, wanted, where)
+            ratios = _rayleigh_ratios(damping, bare, part_ratios, where)
             matrix = _from_ratios(matrices.mass, bare, ratios)
     _check_sign(matrix, matrices.mass, damping, where)
     return matrix

@@ -13,8 +13,9 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import Library, Sourced, data_path
 from thermobearing.border.schema import OneLine, Strict, in_unit
@@ -24,7 +25,8 @@ from thermobearing.border.units import parse_quantity
 GROUND = "ground"
 LIMITS = read_toml(data_path("plausible", "piers.toml"))
 MassModel = Literal["consistent", "published"]
-DampingKind = Literal["modal", "rayleigh", "element", "none", "source"]
+DampingKind = Literal["modal", "rayleigh", "element", "none", "source", "source-with-bearings"]
+SOURCE_KINDS = ("source", "source-with-bearings")  # through modes 1 and 2 on the bearings
 Direction = Literal["x", "y"]
 Name = Annotated[str, Field(min_length=1, max_length=60), OneLine]
 # Ranges of real structures with a factor of ten or more on either side.
@@ -89,11 +91,11 @@ class Spring(Strict):
     direction: Literal["x", "y", "twist"] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, object]) -> list[str]:
+    def _conflicts(cls, values: dict[str, object]) -> list[str]:
         """One of the two stiffnesses, and the one against rotation for twist."""
-        if ("stiffness" in given) == ("rotational_stiffness" in given):
+        if ("stiffness" in values) == ("rotational_stiffness" in values):
             return ["give either stiffness or rotational_stiffness"]
-        if given.get("direction") == "twist" and "stiffness" in given:
+        if values.get("direction") == "twist" and "stiffness" in values:
             return ['direction: "twist" takes rotational_stiffness, not stiffness']
         return []
 
@@ -121,15 +123,59 @@ class Hinge(Strict):
         return self.yield_moment / self.yield_rotation
 
 
+DeadLoad = Annotated[float, in_unit("kN"), Field(ge=1e-3, le=1e6)]
+ONE_OR_SEVERAL = BeforeValidator(lambda load: load if isinstance(load, list | tuple) else (load,))
+
+
+class AxialTable(Strict):
+    """Axial forces of the bearings of a line, and the section of the deck that they carry.
+
+    Attributes
+    ----------
+    dead_load : on each bearing [kN], in [0.001, 1e6]: one number, or a list of `count`.
+    places : of the bearings across the bridge, from the place of the line [mm]; a list of `count`,
+        needed from `axial = "overturning"` on.
+    deck_height : of the inertia above mid-height of the bearings [mm]; by default the height of the
+        masses of `body` less `height` of the line.
+    joint : "bolted" (default): rubber cavitates in tension; or "dowelled": bearings lift.
+    dowel_length : uplift at which dowels come out [mm]; without it no uplift is a failure.
+    mass : that moves vertically [kN s2/mm]; by default the dead loads over gravity.
+    damping_ratio : of the vertical motion on the bearings, 0.03 by default (assumed).
+    across : whether a structure that is not in plan is a transverse one, so that the shear of the
+        line overturns the section; false by default.
+    """
+
+    dead_load: Annotated[tuple[DeadLoad, ...], ONE_OR_SEVERAL, Field(min_length=1)]
+    places: Annotated[tuple[Length, ...], Field(min_length=1)] | None = None
+    deck_height: Annotated[float, in_unit("mm"), Field(gt=0, le=1e6)] | None = None
+    joint: Literal["bolted", "dowelled"] = "bolted"
+    dowel_length: Annotated[float, in_unit("mm"), Field(gt=0, le=1e5)] | None = None
+    mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)] | None = None
+    damping_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.03
+    across: bool | None = None
+
+    @classmethod
+    def _conflicts(cls, values: dict[str, object]) -> list[str]:
+        if "dowel_length" in values and values.get("joint") != "dowelled":
+            return ['dowel_length: needs joint = "dowelled"']
+        return []
+
+    def dead_loads(self, count: int) -> tuple[float, ...]:
+        """Return the dead load on each of `count` bearings [kN]."""
+        return self.dead_load * count if len(self.dead_load) == 1 else self.dead_load
+
+
 class BearingLine(Strict):
     """Equal bearings side by side between `body` (above) and `base`.
 
     `equivalent_stiffness` is that of one bearing at its design displacement, for eigenvalues;
-    `damping_ratio` counts in the damping of kinds "source" and "element" (c_1 of Eq. 6.4) only.
+    `damping_ratio` counts in the damping of kinds "element" (c_1 of Eq. 6.4), "source" and
+    "source-with-bearings" only.
     `scale` is the length of the modelled specimen over that of the bearing in the structure.
     In plan, `x` and `y` are by default those of the body that carries the line, or of `body` on
     the ground. The force acts at `height` along the bridge and at `height_across` across it (by
-    default the same height): where the deck does not roll, that of the inertia of the deck.
+    default the same height): where the deck does not roll, that of the inertia of the deck. `axial`
+    is the table of its axial forces, which act with `axial` in the analysis.
     """
 
     name: Name
@@ -143,6 +189,7 @@ class BearingLine(Strict):
     x: Length | None = None
     y: Length | None = None
     height_across: Height | None = None
+    axial: AxialTable | None = None
 
 
 class Damping(Strict):
@@ -153,9 +200,12 @@ class Damping(Strict):
     kind : "modal" (default), a ratio for each mode; "rayleigh", mass and stiffness term through
         two chosen modes, or the stiffness term alone through one; "element", a dashpot parallel to
         every spring and hinge; "none". "source" is that of Shen (2023): Rayleigh through modes 1
-        and 2 of the structure on its bearings, with a mass term on everything.
+        and 2 of the structure on its bearings, with a mass term on everything. Its stiffness term
+        is of springs and hinges; in "source-with-bearings" it is of all [K] of Eq. 3.3, so that
+        bearings have a dashpot of their equivalent stiffness too.
     ratios : instead of those of the parts weighed with strain energy: of each mode, or one for
-        all (modal); of the chosen modes (rayleigh); of modes 1 and 2 (source).
+        all (modal); of the chosen modes (rayleigh); of modes 1 and 2 (source and
+        source-with-bearings).
     modes : that Rayleigh damping goes through, one or two of those of the structure without
         its bearings, from 1 for the longest period; 1 and 2 by default.
     """
@@ -165,22 +215,24 @@ class Damping(Strict):
     modes: Annotated[tuple[ModeNumber, ...], Field(min_length=1, max_length=2)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, object]) -> list[str]:
+    def _conflicts(cls, values: dict[str, object]) -> list[str]:
         """Return faults of keys that do not apply to the kind, and of ratios without a kind."""
-        kind = given.get("kind", "modal")
+        kind = values.get("kind", "modal")
         faults = []
-        if "ratios" in given and "kind" not in given:
-            faults.append("ratios: require kind, one of modal, rayleigh and source")
-        if "ratios" in given and kind in ("element", "none"):
+        if "ratios" in values and "kind" not in values:
+            faults.append(
+                "ratios: require kind, one of modal, rayleigh, source and source-with-bearings"
+            )
+        if "ratios" in values and kind in ("element", "none"):
             faults.append(f'ratios: kind = "{kind}" has none')
-        if "modes" in given and kind != "rayleigh":
+        if "modes" in values and kind != "rayleigh":
             faults.append('modes: only of kind = "rayleigh"')
         return faults
 
     @model_validator(mode="after")
     def _lengths(self) -> "Damping":
-        if self.kind == "source" and self.ratios is not None and len(self.ratios) != 2:
-            raise ValueError('ratios: kind = "source" takes two, of modes 1 and 2')
+        if self.kind in SOURCE_KINDS and self.ratios is not None and len(self.ratios) != 2:
+            raise ValueError(f'ratios: kind = "{self.kind}" takes two, of modes 1 and 2')
         if self.modes is not None and len(set(self.modes)) < len(self.modes):
             raise ValueError("modes: one twice")
         return self
@@ -259,21 +311,21 @@ class Structure(Sourced):
 
     @model_validator(mode="after")
     def _names_exist(self) -> "Structure":
-        known: list[str] = []
+        names: list[str] = []
         faults = []
         for body in self.bodies:
-            if body.name in (*known, GROUND):
+            if body.name in (*names, GROUND):
                 faults.append(f'two bodies are called "{body.name}"')
-            if body.on is not None and body.on not in (*known, GROUND):
+            if body.on is not None and body.on not in (*names, GROUND):
                 faults.append(f'body "{body.name}" stands on "{body.on}", which is not above it')
             if body.on is not None and body.moves:
                 faults.append(f'body "{body.name}" is carried by "{body.on}": remove moves')
             if body.on is None and not body.moves:
                 faults.append(f'body "{body.name}" needs moves = true, or a body that carries it')
-            known.append(body.name)
+            names.append(body.name)
         lines = [line.name for line in self.bearings]
-        twice = dict.fromkeys(name for name in lines if lines.count(name) > 1)
-        faults += [f'two bearing lines are called "{name}"' for name in twice]
+        duplicates = dict.fromkeys(name for name in lines if lines.count(name) > 1)
+        faults += [f'two bearing lines are called "{name}"' for name in duplicates]
         line = self.report.line
         if line is not None and line not in lines:
             faults.append(f'report.line: no bearing line is called "{line}"{nearest(line, lines)}')
@@ -288,8 +340,8 @@ class Structure(Sourced):
             used += [part.body, part.base]
         used += [self.report.deck, self.report.pier, self.report.pier_base]
         for name in dict.fromkeys(used):
-            if name not in (*known, GROUND):
-                faults.append(f'no body is called "{name}"{nearest(name, [*known, GROUND])}')
+            if name not in (*names, GROUND):
+                faults.append(f'no body is called "{name}"{nearest(name, [*names, GROUND])}')
         if faults:
             raise ValueError("; ".join(faults))
         return self
@@ -298,14 +350,16 @@ class Structure(Sourced):
     def _plan_is_complete(self) -> "Structure":
         """Refuse keys that say nothing without a plan, and a twist that nothing can hold."""
         faults: list[str] = []
-        given: dict[tuple[str, str], str] = {}  # the first place of each key
+        first_places: dict[tuple[str, str], str] = {}  # the first place of each key
         for where, items in self._parts().items() if not self.plan else ():
             for number, item in enumerate(items):
                 for key in PLAN_KEYS:
                     if getattr(item, key, None) is not None:
-                        given.setdefault((where, key), f"{where}[{number}].{key}")
-        if given:
-            faults.append(f"{', '.join(given.values())}: for a structure in plan; add plan = true")
+                        first_places.setdefault((where, key), f"{where}[{number}].{key}")
+        if first_places:
+            faults.append(
+                f"{', '.join(first_places.values())}: for a structure in plan; add plan = true"
+            )
         for body in self.bodies if self.plan else []:
             faults += self._one_point(body) if body.twists else []
         if faults:
@@ -320,11 +374,11 @@ class Structure(Sourced):
     def _one_point(self, body: Body) -> list[str]:
         """Return the fault of a body that twists on bearings and springs at one point."""
         lines = [line for line in self.bearings if body.name in (line.body, line.base)]
-        springs = [one for one in self.springs if body.name in (one.body, one.base)]
-        held = any(one.direction == "twist" for one in springs)
+        springs = [spring for spring in self.springs if body.name in (spring.body, spring.base)]
+        resists_twist = any(spring.direction == "twist" for spring in springs)
         points = {self.point(line) for line in lines}
-        points |= {self.point(one) for one in springs if one.stiffness is not None}
-        if not lines or held or len(points) > 1:
+        points |= {self.point(spring) for spring in springs if spring.stiffness is not None}
+        if not lines or resists_twist or len(points) > 1:
             return []
         return [
             f'bearings: body "{body.name}" twists, and all that holds it is at one point of '
@@ -357,6 +411,7 @@ def list_structures() -> list[str]:
     return STRUCTURES.names()
 
 
+@checked
 def load_structure(name_or_path: str | Path) -> Structure:
     """Return a structure of the library by name, or one of your own from a TOML file.
 
@@ -398,19 +453,61 @@ def reported_line(structure: Structure, own: Collection[str] = ()) -> int:
     names = [line.name for line in lines]
     if report.line is not None:
         return names.index(report.line)
+    # A line between deck and pier shows what both do; without one, any line has to serve.
     between = [k for k, b in enumerate(lines) if {b.body, b.base} == {report.deck, report.pier}]
     usual = [k for k in (*between, *range(len(lines))) if names[k] not in own]
-    found: int = [*usual, *between, 0][0]
-    return found
+    number: int = [*usual, *between, 0][0]
+    return number
 
 
-def line_faults(structure: Structure, given: Sequence[str], key: str) -> list[str]:
+def line_faults(structure: Structure, requested: Sequence[str], key: str) -> list[str]:
     """Return faults of the names of lines in a case: unknown, or given twice."""
-    known = [line.name for line in structure.bearings]
-    unknown = [name for name in given if name not in known]
-    found = [f'{key}: no bearing line is called "{one}"{nearest(one, known)}' for one in unknown]
-    twice = dict.fromkeys(name for name in given if given.count(name) > 1)
-    return found + [f'{key}: "{name}" is given more than once' for name in twice]
+    names = [line.name for line in structure.bearings]
+    unknown = [name for name in requested if name not in names]
+    faults = [
+        f'{key}: no bearing line is called "{unknown_name}"{nearest(unknown_name, names)}'
+        for unknown_name in unknown
+    ]
+    duplicates = dict.fromkeys(name for name in requested if requested.count(name) > 1)
+    return faults + [f'{key}: "{name}" is given more than once' for name in duplicates]
+
+
+def default_deck_height(structure: Structure, line: BearingLine) -> float:
+    """Return the height of the masses of a deck above a bearing line [mm]; 0 without masses."""
+    masses = [mass for mass in structure.masses if mass.body == line.body]
+    if not masses:
+        return 0.0
+    total = sum(mass.mass for mass in masses)
+    return sum(mass.mass * mass.height for mass in masses) / total - line.height
+
+
+def axial_table_faults(structure: Structure, line: BearingLine, level: str) -> list[str]:
+    """Return what the table of axial forces of a line lacks, by `axial` of the analysis."""
+    table, faults = line.axial, []
+    assert table is not None
+    if len(table.dead_load) not in (1, line.count):
+        faults.append(
+            f"dead_load: has {len(table.dead_load)} entries; give one, or {line.count} (count)"
+        )
+    if level == "dead":
+        return faults
+    if table.places is None:
+        faults.append(f'places: needed with axial = "{level}"; give {line.count} (count)')
+    elif len(table.places) != line.count:
+        faults.append(f"places: has {len(table.places)} entries; give {line.count} (count)")
+    elif line.count > 1 and len(set(table.places)) == 1:
+        faults.append("places: are all alike, so that nothing resists the overturning moment")
+    if not structure.plan and not table.across:
+        faults.append(
+            f'across: axial = "{level}" needs a transverse structure; set across = true if it is '
+            "one, or plan = true in the structure"
+        )
+    if table.deck_height is None and default_deck_height(structure, line) <= 0.0:
+        faults.append(
+            "deck_height: needed, since the deck has no mass above the line; give the height of "
+            "the inertia above mid-height of the bearings"
+        )
+    return faults
 
 
 def list_hinges(structure: Structure) -> list[Hinge]:
@@ -418,22 +515,22 @@ def list_hinges(structure: Structure) -> list[Hinge]:
     if not structure.plan:
         return list(structure.hinges)
     return [
-        hinge.model_copy(update={"name": f"{hinge.name} {way}", "direction": way})
+        hinge.model_copy(update={"name": f"{hinge.name} {direction}", "direction": direction})
         for hinge in structure.hinges
-        for way in DIRECTIONS
-        if hinge.direction in (None, way)
+        for direction in DIRECTIONS
+        if hinge.direction in (None, direction)
     ]
 
 
 def first_hinges(structure: Structure, pier: str) -> tuple[int | None, ...]:
     """Return the number of the first hinge of a body in each direction: below it, or else on it."""
     hinges = list(enumerate(list_hinges(structure)))
-    found = []
-    for way in DIRECTIONS if structure.plan else (None,):
-        below = [k for k, hinge in hinges if hinge.body == pier and hinge.direction == way]
-        on = [k for k, hinge in hinges if hinge.base == pier and hinge.direction == way]
-        found.append(next(iter([*below, *on]), None))
-    return tuple(found)
+    numbers = []
+    for direction in DIRECTIONS if structure.plan else (None,):
+        below = [k for k, hinge in hinges if hinge.body == pier and hinge.direction == direction]
+        on = [k for k, hinge in hinges if hinge.base == pier and hinge.direction == direction]
+        numbers.append(next(iter([*below, *on]), None))
+    return tuple(numbers)
 
 
 def list_piers(structure: Structure) -> list[Pier]:
@@ -446,7 +543,8 @@ def list_piers(structure: Structure) -> list[Pier]:
     foot = structure.body(report.pier).base_height if report.pier != GROUND else report.pier_top
     height = report.pier_top - foot
     numbers = first_hinges(structure, report.pier)
-    found = [Pier(report.pier, report.pier_base, report.pier_top, numbers, height)]
+    piers = [Pier(report.pier, report.pier_base, report.pier_top, numbers, height)]
+    # Bodies that carry a line or have a hinge are piers too, if they can rotate or move.
     carriers = [line.base for line in structure.bearings]
     carriers += [hinge.body for hinge in structure.hinges]
     for name in dict.fromkeys(carriers):
@@ -458,8 +556,8 @@ def list_piers(structure: Structure) -> list[Pier]:
         tops = tops or [mass.height for mass in structure.masses if mass.body == name]
         top = max(tops, default=0.0)
         height = top - structure.body(name).base_height
-        found.append(Pier(name, base, top, first_hinges(structure, name), height))
-    return found
+        piers.append(Pier(name, base, top, first_hinges(structure, name), height))
+    return piers
 
 
 def _rotates(structure: Structure, name: str) -> bool:
@@ -475,8 +573,8 @@ def fixed_base(structure: Structure) -> Structure:
     """Return the structure whose bodies on springs to the ground, which carry others, are held."""
     carriers = {body.on for body in structure.bodies}
     springs = {spring.body for spring in structure.springs if spring.base == GROUND}
-    held = carriers & springs
-    if not held:
+    fixed = carriers & springs
+    if not fixed:
         raise InputError(
             "fixed_base: there is no foundation, which is a body on springs to the ground "
             'that carries another body; to fix a body, give it on = "ground"',
@@ -484,14 +582,17 @@ def fixed_base(structure: Structure) -> Structure:
         )
     bodies = [
         body.model_copy(update={"moves": False, "rotates": False, "twists": None, "on": GROUND})
-        if body.name in held
+        if body.name in fixed
         else body
         for body in structure.bodies
     ]
-    left = tuple(one for one in structure.springs if one.base != GROUND or one.body not in held)
+    remaining = tuple(
+        spring for spring in structure.springs if spring.base != GROUND or spring.body not in fixed
+    )
     name = f"{structure.name} (fixed base)"[:60]
+    # Sources of springs are numbered; those that remain have other numbers now.
     texts = {key: text for key, text in structure.sources.items() if not key.startswith("springs[")}
-    changes = {"name": name, "bodies": bodies, "springs": left}
+    changes = {"name": name, "bodies": bodies, "springs": remaining}
     return structure.model_copy(update=changes).with_sources(texts)
 
 
@@ -502,8 +603,8 @@ def along(structure: Structure, direction: Direction) -> Structure:
     name = f"{structure.name} (along {direction})"[:60]
     changes: dict[str, object] = {"plan": None, "name": name}
     for where, items in structure._parts().items():
-        kept = [one for one in items if getattr(one, "direction", None) in (None, direction)]
-        changes[where] = type(getattr(structure, where))(_in_line(one, direction) for one in kept)
+        kept = [part for part in items if getattr(part, "direction", None) in (None, direction)]
+        changes[where] = type(getattr(structure, where))(_in_line(part, direction) for part in kept)
     parts = "springs[", "hinges["
     texts = {key: text for key, text in structure.sources.items() if not key.startswith(parts)}
     return structure.model_copy(update=changes).with_sources(texts)

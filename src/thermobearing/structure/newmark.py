@@ -37,6 +37,9 @@ from thermobearing.structure.forces import (
     begin_bearings,
     commit,
     keep_motion,
+    keep_sections,
+    less_axial,
+    press_sections,
     restoring,
     set_stretches,
     settle_bearings,
@@ -59,33 +62,37 @@ from thermobearing.structure.types import (
 def _note_watches(motion: Motion, ground: Vector, peaks: Peaks) -> None:
     """Update the displacements and accelerations; `ground` is that of the ground [mm/s2]."""
     for p in range(len(peaks.watches)):
-        seen = peaks.watches[p]
+        watch = peaks.watches[p]
         displacement, acceleration = zero(ground), scaled(ground, peaks.carried[p])
         for i in range(motion.tangent.shape[0]):
             displacement = plus(displacement, scaled(peaks.places[p, i], motion.points[i].q))
             acceleration = plus(acceleration, scaled(peaks.places[p, i], motion.points[i].a))
-        seen.displacement = farther(seen.displacement, displacement)
-        seen.residual = displacement
-        seen.acceleration = farther(seen.acceleration, acceleration)
+        watch.displacement = farther(watch.displacement, displacement)
+        watch.residual = displacement
+        watch.acceleration = farther(watch.acceleration, acceleration)
 
 
 @compiled
-def _note_lines(bearings: Bearings, peaks: Peaks) -> None:
+def _note_lines(system: System, bearings: Bearings, motion: Motion, peaks: Peaks) -> None:
     """Update the peaks of every bearing line."""
     for k in range(len(bearings)):
         kind = bearings[k]
         cells = kind.constants.layer_cells
         for m in range(len(kind.lines)):
-            seen, books = peaks.lines[kind.lines[m]], kind.states.books[m, 0]
-            seen.displacement = farther(seen.displacement, books.displacement)
-            seen.force = farther(seen.force, books.force)
-            seen.mismatch = max(seen.mismatch, books.layer_force_mismatch)
+            peak, books = peaks.lines[kind.lines[m]], kind.states.books[m, 0]
+            peak.displacement = farther(peak.displacement, books.displacement)
+            force = books.force
+            if len(system.sections.sections) > 0:
+                b = kind.lines[m]
+                force = less_axial(system, b, motion.stretches[b], force)
+            peak.force = farther(peak.force, force)
+            peak.mismatch = max(peak.mismatch, books.layer_force_mismatch)
             lead = kind.states.branches[m, 0].lead_temperature
-            seen.lead_temperature = max(seen.lead_temperature, lead)
+            peak.lead_temperature = max(peak.lead_temperature, lead)
             temperature = kind.states.temperature[m]
             for j in range(len(cells)):
                 warm = layer_temperature(cells, temperature, j)
-                seen.rubber_temperature = max(seen.rubber_temperature, warm)
+                peak.rubber_temperature = max(peak.rubber_temperature, warm)
 
 
 @compiled
@@ -95,11 +102,11 @@ def _note_peaks(
     """Update the peaks of the structure, the hinges and the bearings."""
     _note_watches(motion, ground, peaks)
     if len(peaks.lines) > 0:
-        _note_lines(bearings, peaks)
+        _note_lines(system, bearings, motion, peaks)
     for h in range(len(peaks.hinges)):
-        seen, bend = peaks.hinges[h], motion.hinges.bends[h]
-        seen.rotation = max(seen.rotation, abs(bend.rotation))
-        seen.moment = max(seen.moment, abs(bend.moment))
+        peak, bend = peaks.hinges[h], motion.hinges.bends[h]
+        peak.rotation = max(peak.rotation, abs(bend.rotation))
+        peak.moment = max(peak.moment, abs(bend.moment))
 
 
 MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
@@ -130,6 +137,7 @@ def residual(
     inertial forces of an acceleration `scale`.
     """
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
+    # a = (dq - dt v_0)/(beta dt^2) - (1/(2 beta) - 1) a_0, and v from gamma.
     by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
     for i in range(n):
         change = points[i].trial - points[i].q
@@ -138,7 +146,7 @@ def residual(
         points[i].predicted_v = points[i].v + dt * (
             (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
-    left, limit = 0.0, 0.0
+    weighted_square, limit = 0.0, 0.0
     for i in range(n):
         r = dot(system.load[i], ground) - points[i].trial_restoring
         for j in range(n):
@@ -150,9 +158,9 @@ def residual(
         unknowns[i] = r
         force = each_times(scaled(system.load[i], scheme.tolerance), scale)
         flexibility = 1.0 / abs(motion.matrix[i, i])
-        left += r * r * flexibility
+        weighted_square += r * r * flexibility
         limit += dot(force, force) * flexibility
-    return left <= limit
+    return weighted_square <= limit
 
 
 @compiled
@@ -180,34 +188,46 @@ def _newmark_step(
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     for i in range(n):
         points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
-    begin_bearings(bearings)
-    outcome, rests = COMPLETED, False
+    begin_bearings(system, bearings)
+    # The prediction has the acceleration of the start.
+    outcome, converged = COMPLETED, False
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
-        moved = restoring(system, bearings, motion, dt, zero(ground))
-        outcome = select(outcome == COMPLETED, moved, outcome)
+        trial_outcome = restoring(system, bearings, motion, dt, zero(ground))
+        outcome = select(outcome == COMPLETED, trial_outcome, outcome)
         failed = outcome != COMPLETED
         if all_lanes(failed):
             return outcome
-        motion.books[0].iterations += select(rests | failed, 0.0, 1.0)
-        rests = failed | residual(system, motion, scheme, dt, ground, scale)
-        if all_lanes(rests):
+        motion.books[0].iterations += select(converged | failed, 0.0, 1.0)
+        # A run of a lockstep that failed counts as converged: the others decide when to stop.
+        converged = failed | residual(system, motion, scheme, dt, ground, scale)
+        if all_lanes(converged):
             ended = settle_bearings(system, bearings, ambient)
             return select(failed, outcome, ended)
         solved = solve_dense(motion.matrix, unknowns)
         inside = True
         for i in range(n):
-            points[i].trial = select(rests, points[i].trial, points[i].trial + unknowns[i])
+            points[i].trial = select(converged, points[i].trial, points[i].trial + unknowns[i])
             inside = inside & (abs(points[i].trial) < FARTHEST)
-        outcome = select(rests | inside, outcome, DIVERGED)
-        outcome = select(rests | solved, outcome, NO_EQUILIBRIUM)
+        outcome = select(converged | inside, outcome, DIVERGED)
+        outcome = select(converged | solved, outcome, NO_EQUILIBRIUM)
         if all_lanes(outcome != COMPLETED):
             return outcome
-    if not any_lane(rests):
+    if not any_lane(converged):
         return select(outcome == COMPLETED, NO_EQUILIBRIUM, outcome)
     ended = settle_bearings(system, bearings, ambient)
-    ended = select(rests, ended, NO_EQUILIBRIUM)
+    ended = select(converged, ended, NO_EQUILIBRIUM)
     return select(outcome == COMPLETED, ended, outcome)
+
+
+@compiled
+def _upwards(system: System, k: int, share: float) -> float:
+    """Vertical ground acceleration at a share of step k [mm/s2]; zero without a record."""
+    vertical = system.sections.vertical
+    if len(vertical) == 0:
+        return 0.0
+    acceleration: float = vertical[k] + share * (vertical[k + 1] - vertical[k])
+    return acceleration
 
 
 @compiled
@@ -232,38 +252,45 @@ def newmark_march(
     steps done, rows written, outcome. `motion` and `bearings` hold the last good state.
     """
     ground = shaking.ground
+    # Relative to the largest ground acceleration, since a quiet sample has no force to compare
+    # with.
     scale = no_peak(ground[0])
     for k in range(len(ground)):
         scale = farther(scale, ground[k])
-    outcome, broken = COMPLETED, COMPLETED
+    outcome, failure = COMPLETED, COMPLETED
+    presses = len(system.sections.sections) > 0
     kept = 0
     for k in range(len(ground) - 1):
-        done = 0  # of the step, in units of its smallest part
+        elapsed = 0  # of the step, in units of its smallest part
         overheated = COMPLETED
         parts = 1 << scheme.halvings
         part = parts
-        while done < parts:
-            share = (done + part) / parts
+        while elapsed < parts:
+            share = (elapsed + part) / parts
             change = minus(ground[k + 1], ground[k])
             target = plus(ground[k], scaled(change, share))
             sub = shaking.dt * part / parts
             air = shaking.ambient[k]
             outcome = _newmark_step(system, bearings, motion, scheme, sub, target, air, scale)
             failed = outcome != COMPLETED
-            if not all_lanes(failed | (broken != COMPLETED)):
-                before = plus(ground[k], scaled(change, done / parts))
+            if not all_lanes(failed | (failure != COMPLETED)):
+                before = plus(ground[k], scaled(change, elapsed / parts))
                 add_books(system, motion, before, target)
                 commit(system, bearings, motion, sub)
-                broken = select(broken == COMPLETED, outcome, broken)
+                if presses:
+                    upwards = _upwards(system, k, share)
+                    press_sections(system, bearings, motion, upwards, sub)
+                failure = select(failure == COMPLETED, outcome, failure)
                 if any_lane(failed):
                     leave(motion, failed)
-                done += part
+                elapsed += part
                 continue
             hot = (outcome == TEMPERATURE_RUNAWAY) | (outcome == LEAD_MELTED)
             overheated = select(hot, outcome, overheated)
             if part == 1:
-                outcome = select(broken == COMPLETED, outcome, broken)
+                outcome = select(failure == COMPLETED, outcome, failure)
                 return k, kept, select(overheated == COMPLETED, outcome, overheated)
+            # Bounds the effort of a run, which halving alone does not.
             if all_lanes(motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE)):
                 return k, kept, select(overheated == COMPLETED, NO_EQUILIBRIUM, overheated)
             part //= 2
@@ -271,8 +298,10 @@ def newmark_march(
         _note_peaks(system, bearings, motion, ground[k + 1], peaks)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)
+            if presses:
+                keep_sections(system, motion, rows, kept)
             kept += 1
-    return len(ground) - 1, kept, broken
+    return len(ground) - 1, kept, failure
 
 
 @compiled
@@ -329,7 +358,7 @@ def lanes_march(
     Full steps only (`scheme.halvings` is 0): a run that needs smaller ones ends early, which its
     entry of `outcomes` [1, WIDTH] says, and is to be run alone. Returns the steps done.
     """
-    done, _, outcome = peaks_march(
+    steps, _, outcome = peaks_march(
         as_lanes(system, WIDTH),
         as_lanes(bearings, WIDTH),
         as_lanes(motion, WIDTH),
@@ -340,7 +369,7 @@ def lanes_march(
     )
     ended = as_lanes(outcomes, WIDTH)
     ended[0] = outcome
-    return done
+    return steps
 
 
 @compiled
@@ -355,7 +384,7 @@ def plane_lanes_march(
     outcomes: Floats,
 ) -> int:
     """`lanes_march` of structures in plan."""
-    done, _, outcome = plane_march(
+    steps, _, outcome = plane_march(
         as_lanes(system, WIDTH),
         as_lanes(bearings, WIDTH),
         as_lanes(motion, WIDTH),
@@ -366,4 +395,4 @@ def plane_lanes_march(
     )
     ended = as_lanes(outcomes, WIDTH)
     ended[0] = outcome
-    return done
+    return steps

@@ -102,6 +102,7 @@ def _command(actuators: Actuators, b: int, k: int) -> float:
     """Return the stretch of line b to command at the end of step k, extrapolated by the delay."""
     targets, command = actuators.targets, 0.0
     for i in range(actuators.weights.shape[1]):
+        # Before the start the structure was straight; between steps targets are linear.
         place = max(k + 1 - i * actuators.ahead, 0.0)
         before = int(place)
         part = place - before
@@ -143,7 +144,7 @@ def _move(
         if not abs(points[i].trial) < FARTHEST:
             return DIVERGED
     set_positions(system, motion, actuators, k)
-    begin_bearings(bearings)
+    begin_bearings(system, bearings)
     outcome = restoring(system, bearings, motion, dt, actuators.noise[k])
     if outcome != COMPLETED:
         return outcome

@@ -10,6 +10,7 @@ import numpy as np
 
 import thermobearing
 from thermobearing.bearing.plausible import sentence, usual_values
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import sourced_toml
@@ -45,22 +46,23 @@ GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[str]:
     """Return a sentence for each unusual number, but not of specimens at a scale."""
+    # Specimens are smaller than structures in use, whose ranges these are.
     if any(line.scale != 1.0 for line in structure.bearings):
         return []
     usual = {item.key: item for item in usual_values("structure.toml")}
-    found = []
+    sentences = []
     for key, name, value in _derived(structure, prepared or prepare_structure(structure)):
         low, high = usual[key].ends
         if not low <= value <= high:
-            found.append(sentence(f"{name}{key}", value, usual[key]))
-    return found
+            sentences.append(sentence(f"{name}{key}", value, usual[key]))
+    return sentences
 
 
 def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, float]]:
     """Return key, name of the part, and value in the unit of the key."""
     deck = sum(item.mass for item in structure.masses if item.body == structure.report.deck)
     weight = GRAVITY * sum(item.mass for item in structure.masses)
-    found = [
+    values = [
         ("first period", "", float(prepared.modes.periods[0])),
         ("mass of the deck", "", TONNES * deck),
     ]
@@ -68,12 +70,12 @@ def _derived(structure: Structure, prepared: Prepared) -> list[tuple[str, str, f
         if pier.hinges[0] is None:
             continue
         hinge = list_hinges(structure)[pier.hinges[0]]
-        found.append(("yield_rotation", f"{hinge.name}: ", hinge.yield_rotation))
+        values.append(("yield_rotation", f"{hinge.name}: ", hinge.yield_rotation))
         height = pier.top - structure.body(hinge.body).base_height
         if height > 0.0:
             key = "yield moment over all weight and the height of the pier"
-            found.append((key, f"{hinge.name}: ", hinge.yield_moment / (weight * height)))
-    return found
+            values.append((key, f"{hinge.name}: ", hinge.yield_moment / (weight * height)))
+    return values
 
 
 def _in_direction(part: Spring | Hinge) -> str:
@@ -103,11 +105,11 @@ class StructureResult(Result):
     def table(self) -> "pd.DataFrame":
         """One row per mode: period [s], damping ratio, effective mass, shape (largest 1)."""
         modes = self.prepared.modes
-        farthest = places_of_largest(np.abs(modes.shapes.T))
-        shapes = modes.shapes / modes.shapes[farthest, np.arange(len(farthest))]
+        largest = places_of_largest(np.abs(modes.shapes.T))
+        shapes = modes.shapes / modes.shapes[largest, np.arange(len(largest))]
         if self.structure.plan:  # a coordinate at rest has the rounding of the others
-            moved = np.sqrt(np.diag(self.prepared.matrices.mass))[:, None] * np.abs(shapes)
-            shapes[moved < AT_REST * moved.max(axis=0)] = 0.0
+            amplitude = np.sqrt(np.diag(self.prepared.matrices.mass))[:, None] * np.abs(shapes)
+            shapes[amplitude < AT_REST * amplitude.max(axis=0)] = 0.0
         columns = {
             "mode": np.arange(1, len(modes.frequencies) + 1),
             "period_s": modes.periods,
@@ -121,12 +123,12 @@ class StructureResult(Result):
     def _effective_masses(self) -> dict[str, Floats]:
         """Return the share of each mode in the mass; in plan along, across and in twist."""
         matrices, shapes = self.prepared.matrices, self.prepared.modes.shapes
-        moved = (shapes.T @ matrices.load) ** 2 / self.mass
+        modal_load = (shapes.T @ matrices.load) ** 2 / self.mass
         if not self.structure.plan:
-            return {"effective_mass": moved}
+            return {"effective_mass": modal_load}
         load, inertia = twist_load(self.structure)
         twisted = (shapes.T @ load) ** 2 / (inertia or np.nan)
-        shares = np.array([*moved.T, twisted])
+        shares = np.array([*modal_load.T, twisted])
         shares[shares < AT_REST] = 0.0
         return dict(zip(EFFECTIVE_MASSES, shares, strict=True))
 
@@ -160,10 +162,10 @@ class StructureResult(Result):
                 size += f", across the bridge at {line.height_across:g} mm"
             rows.append(("bearings", line.name, line.body, line.base, line.height, size))
         columns = ["part", "name", "body", "base", "height_mm", "size"]
-        found = pd.DataFrame(rows, columns=columns)
+        table = pd.DataFrame(rows, columns=columns)
         if structure.plan:
-            found[["x_mm", "y_mm"]] = self._places()
-        return found
+            table[["x_mm", "y_mm"]] = self._places()
+        return table
 
     def _places(self) -> list[tuple[float, float]]:
         """Return where each of the parts is in plan [mm]."""
@@ -186,14 +188,14 @@ class StructureResult(Result):
 
     def show(self) -> None:
         """Print what the model is made of, and its modes."""
-        structure, found = self.structure, self.tables()
+        structure, tables = self.structure, self.tables()
         say(": ".join(filter(None, (structure.name, structure.description))), "bold")
-        show_table(found["parts"])
+        show_table(tables["parts"])
         say(
             f"\ntotal mass {TONNES * self.mass:g} t ({self.mass_model} matrix), damping "
             f"{structure.damping.kind}; bearings with their equivalent stiffness"
         )
-        show_table(found["periods"])
+        show_table(tables["periods"])
         print_warnings(self.warnings)
 
     def summary(self) -> dict[str, Any]:
@@ -233,6 +235,7 @@ class StructureResult(Result):
         (folder / RESOLVED).write_text(text, encoding="utf-8")
 
 
+@checked
 def examine_structure(
     structure: Structure | str | Path,
     *,

@@ -4,12 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from thermobearing.core.axial import Column
 from thermobearing.core.records import Floats, Ints, Rows, rows, unset
-from thermobearing.core.types import Books, Constants, State
+from thermobearing.core.types import AxialBooks, Books, Constants, State
+from thermobearing.model.axial import axial_rows
 from thermobearing.model.outcomes import (
     INTERRUPTED,
     NAMES,
@@ -24,9 +27,8 @@ from thermobearing.structure.matrices import (
     build_matrices,
     displacement_row,
     find_modes,
-    hinge_stiffness,
-    line_stiffness,
     mode_damping,
+    total_stiffness,
 )
 from thermobearing.structure.model import (
     Damping,
@@ -44,6 +46,7 @@ from thermobearing.structure.types import (
     DIVERGED,
     MEASURE,
     NO_EQUILIBRIUM,
+    NO_SECTIONS,
     Actuators,
     Bend,
     Coordinate,
@@ -56,7 +59,12 @@ from thermobearing.structure.types import (
     MotionRows,
     Peaks,
     Scheme,
+    Section,
+    SectionBooks,
+    SectionPeak,
+    Sections,
     Shaking,
+    Support,
     System,
     Watch,
 )
@@ -74,7 +82,27 @@ HALVINGS = 8
 SPECIMEN_LOST = "specimen_lost"
 FORCE_LIMIT = "force_limit"
 DISPLACEMENT_LIMIT = "displacement_limit"
+IMPLAUSIBLE_FORCE = "implausible_force"
+IMPLAUSIBLE_STIFFNESS = "implausible_stiffness"
+IMPLAUSIBLE_ENERGY = "implausible_energy"
+SENSOR_STUCK = "sensor_stuck"
 OUTCOMES = {**NAMES, NO_EQUILIBRIUM: "no_equilibrium", DIVERGED: "diverged"}
+
+
+@dataclass(frozen=True)
+class PressedLine:
+    """The axial forces of the bearings of a line, which act on its shear force."""
+
+    columns: Rows[Column]  # [1] of the modelled bearing
+    dead_loads: Floats  # [count] on each bearing [kN]
+    places: Floats  # [count] across the line [mm]; zeros where axial forces are constant
+    moves: bool = False  # whether axial forces change in time
+    overturns: bool = False  # by the shear of the line, too
+    height: float = 0.0  # of the inertia above mid-height of the bearings [mm]
+    dowelled: bool = False  # lifts; otherwise bolted
+    dowel_length: float = 0.0  # [mm]; 0: not stated
+    mass: float = 0.0  # that moves vertically [kN s2/mm]
+    damping_ratio: float = 0.0  # of the vertical motion
 
 
 @dataclass(frozen=True)
@@ -89,6 +117,7 @@ class Line:
     # Where an earlier test left it (its temperatures count then); None: virgin. The structure is
     # straight and in balance with the force that the bearing has there.
     begun: State | None = None
+    pressed: PressedLine | None = None  # None: axial forces do not act
 
 
 class SpecimenError(Exception):
@@ -100,11 +129,27 @@ class Specimen(Protocol):
 
     line: int
 
-    def move(self, displacement: float, speed: float, time: float) -> float:
-        """Return the force [kN] after a move [mm] at a speed [mm/s]; SpecimenError ends the run."""
+    def move(self, displacement: float, speed: float, time: float, twin: float) -> float:
+        """Return the force [kN] after a move [mm] at a speed [mm/s]; SpecimenError ends the run.
+
+        `twin` is the force of the modelled bearing [kN], by which that of the specimen is judged.
+        """
 
     def stop(self) -> None:
         """Hold the specimen where it is, and end the test."""
+
+
+@dataclass
+class AxialHistory:
+    """Axial forces of the bearings of some lines in one run; rows as of the history."""
+
+    lines: list[int]  # [a] numbers of the lines
+    force: Floats  # [rows, s] axial forces of all bearings, those of a line side by side [kN]
+    limit: Floats  # [rows, a] critical load of one bearing of a line [kN]
+    peaks: Rows[SectionPeak]  # [a]
+    books: Rows[SectionBooks]  # [a] energies at the end
+    supports: Rows[Support]  # [s] bearings at the end, with their extremes
+    sections: Rows[Section]  # [a]
 
 
 @dataclass
@@ -118,6 +163,7 @@ class StructureHistory:
     iterations: int = 0
     substeps: int = 0
     note: str = ""  # a warning of the specimen
+    axial: AxialHistory | None = None  # where axial forces act
 
     def bearing(self, line: int = 0) -> Rows[Books]:
         """Return the energies and forces of the modelled bearing of a line."""
@@ -191,28 +237,101 @@ def prepare_structure(
     if damping is not None and damping != structure.damping.kind:
         structure = structure.model_copy(update={"damping": Damping(kind=damping)})
     matrices = build_matrices(structure, mass_model)
-    stiffness = matrices.springs + hinge_stiffness(structure, matrices)
-    stiffness = stiffness + line_stiffness(structure, matrices)
+    # Modes and predictor count the bearings with their equivalent stiffness.
+    stiffness = total_stiffness(structure, matrices)
     modes = find_modes(matrices.mass, stiffness, structure.name, matrices.coordinates)
     matrix = build_damping(structure, matrices, modes)
     ratios = mode_damping(matrix, modes)
     return Prepared(structure, matrices, modes, matrix, ratios, stiffness)
 
 
+def start_under_load(line: Line, scale: float) -> AxialBooks:
+    """Return stiffness and critical load of the modelled bearing of a line at its start."""
+    assert line.pressed is not None
+    cells, temperature = line.constants.layer_cells, line.temperature
+    layers = 0.5 * (temperature[cells["upper_middle"]] + temperature[cells["lower_middle"]])
+    load = np.array([scale**2 * line.pressed.dead_loads.max()])
+    return axial_rows(line.pressed.columns, line.constants, np.zeros(1), load, layers[None])[0]
+
+
+def _fill_section(
+    section: Section,
+    peak: SectionPeak,
+    supports: Rows[Support],
+    load: PressedLine,
+    stiffness: float,
+) -> None:
+    """Put a section to rest under its dead loads; `stiffness` is vertical, of one bearing."""
+    section.moves, section.overturns = int(load.moves), int(load.overturns)
+    section.dowelled, section.dowel_length = int(load.dowelled), load.dowel_length
+    section.weight, section.mass, section.height = load.dead_loads.sum(), load.mass, load.height
+    line_stiffness = len(load.dead_loads) * stiffness
+    section.damping = 2.0 * load.damping_ratio * np.sqrt(load.mass * line_stiffness)
+    column = load.columns[0]
+    section.largest_offset = 0.5 * column.layer_thickness * column.layer_count
+    places = load.places - load.places.mean()
+    section.dead_moment = section.moment = (load.dead_loads * places).sum()
+    for i, (force, place) in enumerate(zip(load.dead_loads, places, strict=True)):
+        support = supports[i]
+        support.place, support.memory = place, 1.0
+        support.offset = support.shortening = force / stiffness
+        support.axial_force = support.largest = support.least = force
+    peak.first = peak.falling = -1.0
+    peak.least = load.dead_loads.min()
+
+
+def build_sections(
+    structure: Structure, lines: Sequence[Line], rows_kept: int, vertical: Floats | None
+) -> Sections:
+    """Return the axial forces of the lines that have them, at rest under their dead loads."""
+    pressed = [(b, line, line.pressed) for b, line in enumerate(lines) if line.pressed is not None]
+    if not pressed:
+        return NO_SECTIONS
+    columns: list[Any] = [load.columns for _, _, load in pressed]
+    ends = np.cumsum([len(load.dead_loads) for _, _, load in pressed])
+    sections, supports = rows(Section, len(pressed)), rows(Support, int(ends[-1]))
+    peaks, number = rows(SectionPeak, len(pressed)), np.full(len(lines), -1)
+    kept, limits = np.zeros((1 + rows_kept, len(supports))), np.zeros((1 + rows_kept, len(pressed)))
+    for a, (b, line, load) in enumerate(pressed):
+        section, scale = sections[a], structure.bearings[b].scale
+        start, first = start_under_load(line, scale), int(ends[a]) - len(load.dead_loads)
+        section.line, section.first, section.last = b, first, int(ends[a])
+        section.across, section.scale = int(bool(structure.plan)), scale
+        stiffness = start.vertical_stiffness / scale
+        _fill_section(section, peaks[a], supports[first : int(ends[a])], load, stiffness)
+        # At rest the ground acceleration of the first sample presses already.
+        section.ground = 0.0 if vertical is None else vertical[0]
+        section.acceleration = section.ground if load.mass > 0.0 else 0.0
+        limits[0, a] = start.critical_load / scale**2
+        number[b] = a
+    kept[0] = supports["axial_force"]
+    return Sections(
+        number=number,
+        columns=cast(Rows[Column], np.concatenate(columns)),
+        sections=sections,
+        books=rows(SectionBooks, len(pressed)),
+        peaks=peaks,
+        supports=supports,
+        vertical=np.zeros(0) if vertical is None else np.ascontiguousarray(vertical),
+        kept=kept,
+        limits=limits,
+    )
+
+
 def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
     """Return the structure as the compiled integration takes it."""
     structure, matrices = prepared.structure, prepared.matrices
-    given_hinges = list_hinges(structure)
-    hinges = rows(Hinge, len(given_hinges))
-    for h, hinge in enumerate(given_hinges):
+    all_hinges = list_hinges(structure)
+    hinges = rows(Hinge, len(all_hinges))
+    for h, hinge in enumerate(all_hinges):
         hinges[h].initial = hinge.stiffness
         hinges[h].yield_rotation = hinge.yield_rotation
         hinges[h].hardening = hinge.hardening_ratio
         hinges[h].unloading = hinge.unloading_exponent
     factors = rows(LineFactors, len(lines), components=matrices.load.ndim)
-    for b, (given, line) in enumerate(zip(structure.bearings, lines, strict=True)):
-        factors[b].force_factor = given.count / given.scale**2
-        factors[b].length_factor = given.scale
+    for b, (bearing_line, line) in enumerate(zip(structure.bearings, lines, strict=True)):
+        factors[b].force_factor = bearing_line.count / bearing_line.scale**2
+        factors[b].length_factor = bearing_line.scale
         factors[b].speed = line.speed
         factors[b].warmer = line.warmer
         if line.begun is not None:
@@ -312,13 +431,17 @@ def _actuators(
     if the line `outside` has a specimen, that of the specimen alone, which has its own delay.
     """
     ahead = max(ceil(lag - 1e-9), 1.0)
-    places = -ahead * np.arange(order + 1)
-    others = [np.delete(places, i) for i in range(order + 1)]
-    signed = [np.prod((lag - far) / (x - far)) for x, far in zip(places, others, strict=True)]
-    weights = np.tile(signed, (lines, 1))
+    nodes = -ahead * np.arange(order + 1)
+    other_nodes = [np.delete(nodes, i) for i in range(order + 1)]
+    # Lagrange's polynomials through the last targets, at the time of the delay.
+    coefficients = [
+        np.prod((lag - remaining) / (x - remaining))
+        for x, remaining in zip(nodes, other_nodes, strict=True)
+    ]
+    weights = np.tile(coefficients, (lines, 1))
     if outside is not None:
         weights[:] = np.eye(order + 1)[0]
-        weights[outside] = signed
+        weights[outside] = coefficients
     commands = np.zeros((len(noise) + 1, lines))
     return Actuators(
         stiffness=np.ascontiguousarray(prepared.predictor),
@@ -354,6 +477,7 @@ class _Measured:
         step = trial.clock - state.clock
         self._move(trial, (trial.displacement - state.displacement) / step, trial.clock)
         line = self.system.lines[self.specimen.line]
+        # Both forces count from rest, where the structure is in balance.
         error = (self.force[-1] - self.force[0]) - (trial.force - line.at_rest)
         row = self.system.line_rows[self.specimen.line]
         self.motion.points["trial_restoring"] += row * (line.force_factor * error)
@@ -365,12 +489,15 @@ class _Measured:
         work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
         books = rows.bearings[:, line]
         work = work[kept] + books["work_in"][0]
+        # The march has added the work of the modelled bearing: the difference is put right.
         error = work - books["work_in"] - (force[0] - factors.at_rest) * (x[kept] - x[0])
         rows.books["bearings"] += factors.force_factor / factors.length_factor * error
         books["force"], books["work_in"] = force[kept], work
 
     def _move(self, books: Any, speed: float, time: float) -> None:
-        force = self.specimen.move(float(books.displacement), float(speed), float(time))
+        force = self.specimen.move(
+            float(books.displacement), float(speed), float(time), float(books.force)
+        )
         self.force.append(force)
         self.displacement.append(float(books.displacement))
 
@@ -381,45 +508,59 @@ class _Measured:
         raise IndexError(self.specimen.line)
 
 
-_Given: TypeAlias = tuple[System, Bearings, Motion, Scheme, Shaking, Actuators, MotionRows]
+_Arguments: TypeAlias = tuple[System, Bearings, Motion, Scheme, Shaking, Actuators, MotionRows]
 
 
-def _march_with(specimen: Specimen, given: _Given, rows: MotionRows) -> tuple[int, int, str]:
+def _march_with(
+    specimen: Specimen, arguments: _Arguments, rows: MotionRows
+) -> tuple[int, int, str]:
     """March with a specimen outside into all `rows`; return steps done, rows and outcome."""
-    measured = _Measured(specimen, *given[:3])
-    done, kept, outcome = -1, 0, MEASURE
+    system, bearings, motion, _, shaking, _, _ = arguments
+    measured = _Measured(specimen, system, bearings, motion)
+    steps, kept, outcome = -1, 0, MEASURE
     try:
         measured.begin()
         while outcome == MEASURE:
-            done, kept, outcome = predictor_march(*given, done, kept)
+            # The march returns in each step for the force of the specimen, and is called again
+            # there.
+            steps, kept, outcome = predictor_march(*arguments, steps, kept)
             if outcome == MEASURE:
                 measured.take()
-        named = OUTCOMES[int(outcome)]
+        outcome_name = OUTCOMES[int(outcome)]
     except SpecimenError as error:
-        named = str(error.args[0])
+        outcome_name = str(error.args[0])
     except KeyboardInterrupt:
-        named = INTERRUPTED
+        outcome_name = INTERRUPTED
     finally:
         specimen.stop()
     if measured.force:
-        keep = given[4].keep[: max(done, 0)]
+        keep = shaking.keep[: max(steps, 0)]
         measured.write(rows.part(0, 1 + kept), np.append(0, 1 + np.flatnonzero(keep)))
-    return max(done, 0), kept, named
+    return max(steps, 0), kept, outcome_name
 
 
 def _start(
-    given: tuple[System, Bearings, Motion, Scheme, Shaking], kept: MotionRows
+    arguments: tuple[System, Bearings, Motion, Scheme, Shaking], kept: MotionRows
 ) -> Callable[..., tuple[int, int, int]]:
     """Keep the structure at rest under the first ground acceleration; return Newmark's march."""
-    system, bearings, motion, _, shaking = given
+    system, bearings, motion, scheme, shaking = arguments
     if system.load.ndim == 1:
         start_motion(system, motion, shaking.ground[0])
         keep_motion(bearings, motion, kept, 0)
         return newmark_march
+    # Vectors of a plane need the compiled march: it sets the accelerations and takes no step.
     at_rest = shaking._replace(ground=shaking.ground[:1])  # no step
-    plane_march(*given[:4], at_rest, kept, _no_peaks(system))
+    plane_march(system, bearings, motion, scheme, at_rest, kept, _no_peaks(system))
     getattr(keep_motion, "py_func", keep_motion)(bearings, motion, kept, 0)
     return plane_march
+
+
+def _kept_steps(steps: int, keep_every: int) -> NDArray[np.bool_]:
+    """Return which steps are kept: every n-th and the end; the start is a row before them."""
+    keep = np.zeros(steps, dtype=np.bool_)
+    keep[keep_every - 1 :: keep_every] = True
+    keep[-1] = True
+    return keep
 
 
 def run_structure(
@@ -436,6 +577,7 @@ def run_structure(
     compensation: int = 0,
     specimen: Specimen | None = None,
     keep_cells: bool = False,
+    vertical: Floats | None = None,
 ) -> StructureHistory:
     """Integrate the motion of a structure; a failed run has an outcome and its rows until then.
 
@@ -443,7 +585,8 @@ def run_structure(
     `dt` [s], linear between [mm/s2]; `ambient` [steps] the mean temperature of each step [degC].
     Of the laboratory and for the predictor-corrector only are `noise` [steps] of the measured force
     [kN], `delay` [s], `compensation` (order of the polynomial) and a `specimen` in place of the
-    bearing of its line, whose force and work then are in the rows.
+    bearing of its line, whose force and work then are in the rows. `vertical` [steps + 1] is the
+    ground acceleration upwards, for the axial forces of lines that have them [mm/s2].
     """
     system = build_system(prepared, lines)
     if method == "predictor-corrector" and system.load.ndim > 1:
@@ -451,9 +594,9 @@ def run_structure(
     motion = new_motion(system)
     bearings = build_bearings(*start_arguments(prepared, lines))
     steps = len(ground) - 1
-    keep = np.zeros(steps, dtype=np.bool_)
-    keep[keep_every - 1 :: keep_every] = True
-    keep[-1] = True
+    keep = _kept_steps(steps, keep_every)
+    sections = build_sections(prepared.structure, lines, int(keep.sum()), vertical)
+    system = system._replace(sections=sections)
     kept_rows = room_for(system, bearings, 1 + int(keep.sum()), keep_cells=keep_cells)
     scheme = Scheme(BETA[method], GAMMA, TOLERANCE, ITERATIONS, HALVINGS)
     shaking = Shaking(np.ascontiguousarray(ground), dt, ambient, keep)
@@ -463,24 +606,42 @@ def run_structure(
         outside = None if specimen is None else specimen.line
         noise = np.zeros(steps) if noise is None else noise
         actuators = _actuators(prepared, noise, len(lines), delay / dt, compensation, outside)
-        given = system, bearings, motion, scheme, shaking, actuators, after
+        arguments = system, bearings, motion, scheme, shaking, actuators, after
         if specimen is not None:
-            done, kept, named = _march_with(specimen, given, kept_rows)
+            steps_done, kept, outcome_name = _march_with(specimen, arguments, kept_rows)
         else:
-            done, kept, outcome = predictor_march(*given, -1, 0)
-            named = OUTCOMES[int(outcome)]
+            steps_done, kept, outcome = predictor_march(*arguments, -1, 0)
+            outcome_name = OUTCOMES[int(outcome)]
     else:
         peaks = _no_peaks(system)
-        done, kept, outcome = march(system, bearings, motion, scheme, shaking, after, peaks)
-        named = OUTCOMES[int(outcome)]
-    if named == "completed" and not all_physical(bearings, kept_rows.bearings["recoverable"][0]):
-        named = NOT_PHYSICAL
+        steps_done, kept, outcome = march(system, bearings, motion, scheme, shaking, after, peaks)
+        outcome_name = OUTCOMES[int(outcome)]
+    if outcome_name == "completed" and not all_physical(
+        bearings, kept_rows.bearings["recoverable"][0]
+    ):
+        outcome_name = NOT_PHYSICAL
     books = motion.books[0]
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
         bearings=bearings,
-        outcome=named,
-        steps=int(done),
+        outcome=outcome_name,
+        steps=int(steps_done),
         iterations=int(books.iterations),
         substeps=int(books.substeps),
+        axial=_axial_history(sections, kept),
+    )
+
+
+def _axial_history(sections: Sections, kept: int) -> AxialHistory | None:
+    """Return the axial forces of a run; None where they did not act."""
+    if not len(sections.sections):
+        return None
+    return AxialHistory(
+        lines=[int(line) for line in sections.sections["line"]],
+        force=sections.kept[: 1 + kept],
+        limit=sections.limits[: 1 + kept],
+        peaks=sections.peaks,
+        books=sections.books,
+        supports=sections.supports,
+        sections=sections.sections,
     )

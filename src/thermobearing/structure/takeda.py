@@ -48,9 +48,13 @@ def _along_line(
     where: bool, t: float, m: float, slope: float, end: float, to: float, to_moment: float
 ) -> tuple[float, float, float]:
     """Rotation, moment and slope on the straight way to a point, as far as `end`."""
-    way = (to_moment - m) / (to - t)
+    line_slope = (to_moment - m) / (to - t)
     stop = min(end, to)
-    return select(where, stop, t), select(where, m + way * (stop - t), m), select(where, way, slope)
+    return (
+        select(where, stop, t),
+        select(where, m + line_slope * (stop - t), m),
+        select(where, line_slope, slope),
+    )
 
 
 @compiled
@@ -74,10 +78,12 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
     """
     hinge = hinges[h]
     above, below = old.sides[h, ABOVE], old.sides[h, BELOW]
-    here, moment = old.bends[h].rotation, old.bends[h].moment
-    upward, still = rotation > here, rotation == here
+    current, moment = old.bends[h].rotation, old.bends[h].moment
+    upward, at_rest = rotation > current, rotation == current
+    # From here on the motion is positive: `farthest` and `turned` are ahead of it, `back_` ones
+    # behind.
     sign = select(upward, 1.0, -1.0)
-    t, m, end = sign * here, sign * moment, sign * rotation
+    t, m, end = sign * current, sign * moment, sign * rotation
     farthest = sign * select(upward, above.farthest, below.farthest)
     turned = sign * select(upward, above.turned, below.turned)
     turned_moment = sign * select(upward, above.turned_moment, below.turned_moment)
@@ -85,37 +91,39 @@ def takeda(hinges: Rows[Hinge], old: HingeState, h: int, rotation: float, new: H
     back_turned = select(upward, below.turned, above.turned)
     back_moment = select(upward, below.turned_moment, above.turned_moment)
     slope = hinge.initial
-    unloads = (m < 0.0) & no(still)  # from the other side
+    unloads = (m < 0.0) & no(at_rest)  # from the other side
     if any_lane(unloads):
+        # The hinge turns round here, unless it turned earlier and has not returned there yet.
         leaves = unloads & (abs(back_turned) == NEVER_TURNED)
-        back_turned = select(leaves, here, back_turned)
+        back_turned = select(leaves, current, back_turned)
         back_moment = select(leaves, moment, back_moment)
         slope = select(unloads, _unloading_stiffness(hinge, -sign * back_farthest), slope)
         zero = t - m / slope
         stays = end <= zero
         m = select(unloads, select(stays, m + slope * (end - t), 0.0), m)
         t = select(unloads, select(stays, end, zero), t)
-    goes = (t < end) & no(still)
-    if any_lane(goes):
-        back_turned = select(goes, -sign * NEVER_TURNED, back_turned)
-        returns = goes & (abs(turned) < NEVER_TURNED) & (turned > t)  # to where it turned
+    proceeds = (t < end) & no(at_rest)
+    if any_lane(proceeds):
+        back_turned = select(proceeds, -sign * NEVER_TURNED, back_turned)
+        returns = proceeds & (abs(turned) < NEVER_TURNED) & (turned > t)  # to where it turned
         if any_lane(returns):
             t, m, slope = _along_line(returns, t, m, slope, end, turned, turned_moment)
-        heads = goes & (t < end) & (t < farthest)  # towards the farthest point
+        heads = proceeds & (t < end) & (t < farthest)  # towards the farthest point
         if any_lane(heads):
             peak = backbone(hinge, farthest)
             t, m, slope = _along_line(heads, t, m, slope, end, farthest, peak)
-        yields = goes & (t < end)
+        yields = proceeds & (t < end)
         if any_lane(yields):
             slope = select(yields, hinge.hardening * hinge.initial, slope)
             m = select(yields, backbone(hinge, end), m)
             t = select(yields, end, t)
-        forgets = goes & no((abs(turned) < NEVER_TURNED) & (t < turned))
-        farthest = select(goes & (farthest < t), t, farthest)
+        # A point where it turned is forgotten once it is passed.
+        forgets = proceeds & no((abs(turned) < NEVER_TURNED) & (t < turned))
+        farthest = select(proceeds & (farthest < t), t, farthest)
         turned = select(forgets, NEVER_TURNED, turned)
     ahead = (sign * farthest, sign * turned, sign * turned_moment)
     _write_side(new.sides[h, ABOVE], upward, ahead, (back_farthest, back_turned, back_moment))
     _write_side(new.sides[h, BELOW], no(upward), ahead, (back_farthest, back_turned, back_moment))
     new.bends[h].rotation = rotation
-    new.bends[h].moment = select(still, moment, sign * m)
+    new.bends[h].moment = select(at_rest, moment, sign * m)
     return slope

@@ -9,7 +9,8 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.core.records import Floats, Rows
+from thermobearing.core.axial import Column
+from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import Books, Vectors
 from thermobearing.core.vector import Peak, Vector
 
@@ -58,6 +59,9 @@ class LineFactors:
     start: Vector  # displacement of the modelled bearing when the structure is straight [mm]
     at_rest: Vector  # its force then, in balance with something that stays [kN]
     warmer: float  # the air around it than that of the run [K]
+    reduction_x: float  # of the line's stiffness by axial forces, in this step [kN/mm]
+    reduction_y: float
+    tangent: float  # smallest of the line with axial forces, at the trial [kN/mm]
 
 
 class Coordinate:
@@ -88,6 +92,119 @@ class MotionBooks:
     substeps: Annotated[float, "1", "halvings of a step"]
 
 
+class Section:
+    """The bearings of a line side by side below a rigid section of the deck, and its motion.
+
+    Vertical motion is positive downwards (shortening), roll presses the bearings at larger places.
+    """
+
+    line: int
+    first: int  # its first bearing
+    last: int  # one past its last
+    moves: int  # 1 if axial forces change in time, 0 if they are constant
+    across: int  # 1 if overturning is by the component along y (plan), 0 on a line
+    overturns: int  # 1 if the shear of the line overturns the section
+    dowelled: int  # 1 for bearings that lift, 0 for bolted ones that cavitate
+    scale: float  # length of the modelled bearing over that in the structure
+    weight: float  # dead load of all bearings [kN]
+    mass: float  # that moves vertically [kN s2/mm]; 0: none
+    damping: float  # of vertical motion [kN s/mm]
+    height: float  # of the inertia above mid-height of the bearings [mm]
+    dowel_length: float  # [mm]; 0: not stated
+    largest_offset: float  # |x| beyond which a falling force is an instability [mm]
+    compression: float  # c of the modelled bearing, at the start of the step [mm3/kN]
+    shear: float  # sum t_r/G [mm3/kN]
+    softest: float  # smallest G of a layer [GPa]
+    x: float  # of the modelled bearing, at the start of the step [mm]
+    y: float
+    taken_x: float  # force that axial forces took from the line at the end of the last step [kN]
+    taken_y: float
+    clock: float  # [s]
+    shortening: float  # v [mm]
+    velocity: float
+    acceleration: float
+    roll: float  # [rad]
+    dead_moment: float  # of the dead loads [kN mm]
+    moment: float  # overturning moment, with that of the dead loads [kN mm]
+    ground: float  # vertical ground acceleration, upwards [mm/s2]
+
+
+class SectionBooks:
+    """Energies of a section since the start, and the iterations of its equilibrium."""
+
+    lent: Annotated[float, "kN mm", "work that axial forces give to the shear"]
+    axial_work: Annotated[float, "kN mm", "work of axial forces on the shortening of bearings"]
+    weight: Annotated[float, "kN mm", "work of the dead load"]
+    overturning: Annotated[float, "kN mm", "work of the overturning moment"]
+    vertical_input: Annotated[float, "kN mm", "work of the vertical ground motion"]
+    vertical_damping: Annotated[float, "kN mm", "work of damping of the vertical motion"]
+    vertical_kinetic: Annotated[float, "kN mm", "kinetic energy of the vertical motion"]
+    iterations: Annotated[float, "1", "iterations of the equilibrium of the section"]
+
+
+class Support:
+    """A bearing of a section."""
+
+    place: float  # from the centre of the section [mm]
+    offset: float  # shortening under the dead load [mm]
+    axial_force: float  # P [kN]
+    shortening: float  # [mm]
+    memory: float  # largest extension so far over that of cavitation, at least 1
+    largest: float  # axial force so far [kN]
+    least: float
+
+
+class SectionPeak:
+    """The extremes of the axial forces of a section."""
+
+    share: float  # largest axial force over critical load of a bearing
+    share_bearing: float  # its number, from 0
+    share_time: float  # [s]
+    share_x: float  # displacement of the modelled bearing then [mm]
+    share_force: float  # [kN]
+    share_limit: float  # [kN]
+    exceeded: float  # time for which a bearing is above its critical load [s]
+    first: float  # time when that begins [s]; negative: never
+    line_share: float  # largest sum of axial forces over that of critical loads
+    least: float  # smallest axial force [kN]
+    least_bearing: float
+    least_time: float
+    tension: float  # largest tension over F_c
+    tension_time: float
+    cavitation_force: float  # F_c at the smallest axial force [kN]
+    uplift: float  # largest of a dowelled bearing [mm]
+    damage: float  # largest 1 - F_cn/F_c
+    falling: float  # time when the force of the line falls as it moves on [s]; negative: never
+    unbalanced: float  # steps without equilibrium of the section
+
+
+class Sections(NamedTuple):
+    """Axial forces of the bearings of some lines; all empty where they do not act."""
+
+    number: Ints  # [b] of the section of a line; -1: none
+    columns: Rows[Column]  # [a]
+    sections: Rows[Section]  # [a]
+    books: Rows[SectionBooks]  # [a]
+    peaks: Rows[SectionPeak]  # [a]
+    supports: Rows[Support]  # [s]
+    vertical: Floats  # [steps + 1] ground acceleration upwards [mm/s2]
+    kept: Floats  # [rows, s] axial forces of kept steps, the start first [kN]
+    limits: Floats  # [rows, a] critical load of one bearing then [kN]
+
+
+NO_SECTIONS: Final = Sections(
+    number=np.zeros(0, dtype=np.int64),
+    columns=rows(Column, 0),
+    sections=rows(Section, 0),
+    books=rows(SectionBooks, 0),
+    peaks=rows(SectionPeak, 0),
+    supports=rows(Support, 0),
+    vertical=np.zeros(0),
+    kept=np.zeros((0, 0)),
+    limits=np.zeros((0, 0)),
+)
+
+
 class System(NamedTuple):
     """A structure, without its bearings' insides."""
 
@@ -99,6 +216,7 @@ class System(NamedTuple):
     hinges: Rows[Hinge]  # [h]
     line_rows: Vectors  # [b, n] stretch of a bearing line per coordinate
     lines: Rows[LineFactors]  # [b]
+    sections: Sections = NO_SECTIONS
 
 
 class HingeState(NamedTuple):
@@ -203,14 +321,14 @@ class MotionRows(NamedTuple):
 
     def part(self, first: int, end: int) -> "MotionRows":
         """The same rows from `first` to before `end`, not a copy."""
-        here = slice(first, end)
+        selection = slice(first, end)
         return MotionRows(
-            self.books[here],
-            self.q[here],
-            self.v[here],
-            self.a[here],
-            self.hinges[here],
-            self.bearings[here],
-            tuple(layers[here] for layers in self.layers),
-            tuple(cells[here] for cells in self.cells),
+            self.books[selection],
+            self.q[selection],
+            self.v[selection],
+            self.a[selection],
+            self.hinges[selection],
+            self.bearings[selection],
+            tuple(layers[selection] for layers in self.layers),
+            tuple(cells[selection] for cells in self.cells),
         )

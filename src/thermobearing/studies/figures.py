@@ -10,12 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator
 
 from thermobearing.border.lazy import pd
+from thermobearing.core.records import Floats
+from thermobearing.motions.spectrum import DAMPING
 from thermobearing.quantities.governing import order_from_least
 from thermobearing.report.content import words
 from thermobearing.results import drawing
-from thermobearing.results.profiles import COLOURS
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.result import StudyResult
+from thermobearing.studies.result import CLIMATE, StudyResult
 from thermobearing.studies.statistics.demand import (
     counted,
     describe_failures,
@@ -24,7 +25,7 @@ from thermobearing.studies.statistics.demand import (
 )
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
 from thermobearing.studies.statistics.hazard import Hazard, Rate
-from thermobearing.studies.statistics.variance import REST
+from thermobearing.studies.statistics.variance import REST, sampling_note
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 
@@ -59,9 +60,18 @@ BANDS = (("0.05", "0.95", 0.15, "5 to 95 %"), ("0.16", "0.84", 0.3, "16 to 84 % 
 COLOUR, RED = "#0077BB", "#CC3311"
 
 
-def _legend(figure: Figure, ax: Axes) -> None:
-    """Draw the legend of an axis below the figure."""
-    drawing.legend_below(figure, ax.get_legend_handles_labels()[0])
+def _legend(figure: Figure, *axes: Axes) -> None:
+    """Draw one legend of panels below the figure, each name once."""
+    handles = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
+    drawing.legend_below(figure, list({handle.get_label(): handle for handle in handles}.values()))
+
+
+def _note_below(figure: Figure, text: str) -> None:
+    """Write a note below the panels, in lines that are not longer than the figure."""
+    room = int(WRAPPED * figure.get_figwidth() / drawing.WIDEST)
+    wrapped = "\n".join(textwrap.fill(line, room) for line in text.splitlines())
+    look: drawing.Look = {"ha": "left", "fontsize": drawing.SMALL, "color": drawing.GREY}
+    figure.supxlabel(wrapped, x=0.02, **look)
 
 
 def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
@@ -80,54 +90,85 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
         x = rows[across].to_numpy(dtype=float)
         for low, high, alpha, words_ in BANDS:
             ends = rows[low].to_numpy(dtype=float), rows[high].to_numpy(dtype=float)
-            ax.fill_between(x, *ends, color=COLOUR, alpha=alpha, linewidth=0, label=words_)
-        least, median, most = (
+            words_ += _where_finite(quantiles[high], 1.0 - float(high))
+            # Where collapses make either end infinite there is no band.
+            if _continues(np.add(*ends)):
+                ax.fill_between(x, *ends, color=COLOUR, alpha=alpha, linewidth=0, label=words_)
+        lowest, median, highest = (
             rows[name].to_numpy(dtype=float) for name in ("median_low", "0.5", "median_high")
         )
-        finite = np.isfinite(least) & np.isfinite(most)
-        reach = [(median - least)[finite], (most - median)[finite]]
+        finite = np.isfinite(lowest) & np.isfinite(highest)
+        reach = [(median - lowest)[finite], (highest - median)[finite]]
         points: drawing.Look = {"marker": "o", "markersize": 3, "label": "median, 95 % band"}
         ax.plot(x, median, color=COLOUR, linewidth=1.4, **points)
         ax.errorbar(
             x[finite], median[finite], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0
         )
-        ax.plot(x, rows["mean"], color=drawing.INK, linewidth=0.9, linestyle="--", label="mean")
+        mean = rows["mean"].to_numpy(dtype=float)
+        if np.isfinite(mean).any():
+            # A single temperature without failures has a mark in place of a line.
+            marker = "" if _continues(mean) else "_"
+            dashed: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
+            where = _where_finite(quantiles["mean"], 0.0)
+            ax.plot(x, mean, marker=marker, label=f"mean{where}", **dashed)
         if np.isfinite(capacity):
             ax.axhline(capacity, label="capacity", **drawing.LIMIT)
-        last, first = place + columns >= len(cells), place % columns == 0
-        drawing.name_axes(ax, _title(across) if last else "", _title(demand) if first else "")
+        is_lowest, is_leftmost = place + columns >= len(cells), place % columns == 0
+        drawing.name_axes(
+            ax, _title(across) if is_lowest else "", _title(demand) if is_leftmost else ""
+        )
         ax.set_title(", ".join(map(str, label)), **look)
-        ax.tick_params(labelbottom=last)
-    top = np.nanmax(np.where(np.isinf(quantiles["0.95"]), np.nan, quantiles["0.95"]), initial=0.0)
+        ax.tick_params(labelbottom=is_lowest)
+    # Where more than 5 % of the runs collapse, the upper fractile is infinite, the median is not.
+    drawn = quantiles[[*(high for _, high, _, _ in BANDS), "median_high", "0.5", "mean"]]
+    values = drawn.to_numpy(dtype=float)
+    top = values[np.isfinite(values)].max(initial=0.0)
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
-    _legend(figure, axes[0])
+    _legend(figure, *axes[: len(cells)])
     return figure
 
 
+def _continues(values: Floats) -> bool:
+    """Return whether two neighbours are finite, so that a line between them is drawn."""
+    finite = np.isfinite(values)
+    return bool((finite[1:] & finite[:-1]).any())
+
+
+def _where_finite(values: "pd.Series", share: float) -> str:
+    """Return where a line is drawn, if collapses end it: "", or ", where no run failed"."""
+    if not np.isinf(values.to_numpy(dtype=float)).any():
+        return ""
+    return f", where less than {100 * share:g} % failed" if share else ", where no run failed"
+
+
 POINTS = 160
+FRAGILITY_NOTE = 95  # letters of a line above the panel
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
 MARK_STEP = 0.01  # between marks of two temperatures, of the width
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
 
 def _level_colours(names: list[Any]) -> list[str]:
-    if names and all(isinstance(name, int | float | np.number) for name in names):
-        return drawing.ambient_colours(np.array(names, dtype=float))
-    return [COLOURS[k % len(COLOURS)] for k in range(len(names))]
+    """Return colours from cold to warm of temperatures, or of their classes in that order."""
+    numbers = all(isinstance(name, int | float | np.number) for name in names)
+    at = np.array(names if numbers else range(len(names)), dtype=float)
+    return drawing.ambient_colours(at) if len(names) else []
 
 
 def _draw_fragility(
-    curves: Mapping[Any, Fragility], climate: Fragility | None, title: str
+    curves: Mapping[Any, Fragility], climate: Fragility | None, title: str, intensity: str
 ) -> Figure:
     """Draw the probability of exceedance against intensity; that over the climate in black."""
-    some = next(iter(curves.values()))
+    first_curve = next(iter(curves.values()))
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
-    at = np.concatenate([curve.counts[curve.intensity].to_numpy() for curve in curves.values()])
-    im = np.linspace(0.0, FRAGILITY_ROOM * float(at.max()), POINTS + 1)[1:]
-    aside = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
+    intensities = np.concatenate(
+        [curve.counts[curve.intensity].to_numpy() for curve in curves.values()]
+    )
+    im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
+    shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
     for (name, curve), colour, shift in zip(
-        curves.items(), _level_colours(list(curves)), aside, strict=True
+        curves.items(), _level_colours(list(curves)), shifts, strict=True
     ):
         label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
@@ -137,29 +178,34 @@ def _draw_fragility(
         _marks(ax, curve, colour, len(curves), float(shift))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, True, climate.name)
-    many = " (side by side)" * (len(curves) > 1)
-    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{many}")
+    side_by_side = " (side by side)" * (len(curves) > 1)
+    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{side_by_side}")
     ax.set_xlim(0.0, float(im[-1]))
     ax.set_ylim(-0.02, 1.02)
-    drawing.name_axes(ax, _title(some.intensity), "probability of exceedance")
+    drawing.name_axes(ax, intensity, "probability of exceedance")
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
-    why = f"{some.method}, {100 * some.level:g} % bands; "
-    why += describe_failures(runs, left_out, collapsed)
-    drawing.say_why(ax, why.replace("; ", "\n"), (0.98, 0.03))
+    bands = first_curve.few_motions or f"{100 * first_curve.level:g} % bands"
+    bands = "; ".join(filter(None, [bands, first_curve.wide_bands]))
+    note = f"{first_curve.method}; {bands}; {describe_failures(runs, left_out, collapsed)}"
+    lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
+    look: drawing.Look = {"loc": "left", "fontsize": drawing.SMALLEST, "color": drawing.GREY}
+    ax.set_title("\n".join(lines), **look)
     _legend(figure, ax)
     return figure
 
 
 def _curve(ax: Axes, curve: Fragility, im: Any, colour: str, filled: bool, label: str) -> None:
     low, high = curve.band_at(im)
-    if filled:
+    if curve.few_motions:
+        pass
+    elif filled:
         ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
     else:
         ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
-    wide = 1.8 if len(curve.parts) > 1 else 1.4
-    ax.plot(im, curve.probability(im), color=colour, linewidth=wide, label=label)
+    width = 1.8 if len(curve.parts) > 1 else 1.4
+    ax.plot(im, curve.probability(im), color=colour, linewidth=width, label=label)
 
 
 def _marks(ax: Axes, curve: Fragility, colour: str, count: int, shift: float) -> None:
@@ -178,56 +224,66 @@ LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))
 MOST_CURVES = 400  # that are drawn; of more every n-th
 
 
-def _draw_ida(parts: Mapping[str, Ida], demand: str, note: str, capacity: float) -> Figure:
+def _draw_ida(
+    parts: Mapping[str, Ida], demand: str, intensity: str, note: str, capacity: float
+) -> Figure:
     title = f"incremental dynamic analysis, {column_words(demand)}: {note}"
     columns = min(len(parts), MOST_COLUMNS)
     count = -(-len(parts) // columns)
     size = (max(WIDTH * columns + 0.6, 5.2), max(HEIGHT * count, 3.3) + 0.9)
-    near: Any = {"share": True, "least": WIDTH}  # in a narrow figure, panels below each other
-    figure, axes = drawing.panels(count, columns, size, title, **near)
+    options: Any = {"share": True, "least": WIDTH}  # in a narrow figure, panels below each other
+    figure, axes = drawing.panels(count, columns, size, title, **options)
     grid: Any = axes[0].get_gridspec()
     columns = grid.ncols
-    for place, (name, ida) in enumerate(parts.items()):
-        _ida_panel(axes[place], ida, capacity)
-        last, first = place + columns >= len(parts), place % columns == 0
-        names = _title(demand) if last else "", _title(ida.intensity) if first else ""
-        many = f"{len(ida.curves)} curves"
-        drawing.name_axes(axes[place], *names, f"{name}, {many}" if name else many)
-        axes[place].tick_params(labelbottom=last)
-    for ax in axes[len(parts) :]:
-        ax.set_visible(False)
     curves = [curve for ida in parts.values() for curve in ida.curves]
     widest = float(max(curve.demand[np.isfinite(curve.demand)].max() for curve in curves))
-    widest = min(widest, max(4.0 * capacity, 1e-300)) if np.isfinite(capacity) else widest
+    if np.isfinite(capacity):
+        # Demands far beyond the capacity would leave the curves near it no width.
+        widest = min(widest, max(4.0 * capacity, 1e-300))
+    for place, (name, ida) in enumerate(parts.items()):
+        _ida_panel(axes[place], ida, capacity, widest)
+        is_lowest, is_leftmost = place + columns >= len(parts), place % columns == 0
+        names = _title(demand) if is_lowest else "", intensity if is_leftmost else ""
+        curve_count = f"{len(ida.curves)} curves"
+        drawing.name_axes(axes[place], *names, f"{name}, {curve_count}" if name else curve_count)
+        axes[place].tick_params(labelbottom=is_lowest)
+    for ax in axes[len(parts) :]:
+        ax.set_visible(False)
     axes[0].set_xlim(0.0, 1.03 * widest)
     axes[0].set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in curves))
-    shown = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
-    drawing.legend_below(figure, list({one.get_label(): one for one in shown}.values()))
+    _legend(figure, *axes)
     return figure
 
 
-def _ida_panel(ax: Axes, ida: Ida, capacity: float) -> None:
-    """Draw the curves of motions and their fractiles."""
-    every = -(-len(ida.curves) // MOST_CURVES)
-    label, cross = "single curves", "last before collapse"
-    for curve in ida.curves[::every]:
-        stood = np.isfinite(curve.demand)
-        first = len(stood) if stood.all() else int((~stood).argmax())
+def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> None:
+    """Draw the curves of motions, their last points before a collapse, and their fractiles.
+
+    What has a demand beyond `widest` is outside the panel.
+    """
+    stride = -(-len(ida.curves) // MOST_CURVES)
+    label, last_points = "single curves", []
+    for curve in ida.curves[::stride]:
+        finite = np.isfinite(curve.demand)
+        first = len(finite) if finite.all() else int((~finite).argmax())
         x, y = curve.demand[:first], curve.intensity[:first]
         ax.plot(x, y, color=drawing.GREY, linewidth=0.6, alpha=0.5, label=label)
         label = ""
-        if first < len(stood):
-            ax.plot(x[-1], y[-1], "x", color=RED, markersize=4, label=cross)
-            cross = ""
+        if first < len(finite) and x[-1] <= widest:
+            last_points.append((x[-1], y[-1]))
+    if last_points:
+        cross: drawing.Look = {"color": RED, "markersize": 4, "label": "last before collapse"}
+        ax.plot(*np.transpose(last_points), "x", clip_on=False, zorder=3, **cross)
     # Fractiles end where the first curve ends: beyond, they would jump.
     table = ida.fractiles()
     table = table[table["curves"] == len(ida.curves)]
-    for share, line in LOOKS.items():
-        x = np.append(0.0, table[f"{share:g}"].to_numpy(dtype=float)) if len(table) else np.zeros(1)
+    for share, line in LOOKS.items() if len(table) else ():
+        x = np.append(0.0, table[f"{share:g}"].to_numpy(dtype=float))
         y = np.append(0.0, table[ida.intensity].to_numpy(dtype=float))
-        stood = np.isfinite(x)
+        finite = np.isfinite(x)
+        if not _continues(x):
+            continue
         look: drawing.Look = {"color": COLOUR, "linewidth": 1.6, "linestyle": line}
-        ax.plot(x[stood], y[stood], label=f"{100 * share:g} % fractile", **look)
+        ax.plot(x[finite], y[finite], label=f"{100 * share:g} % fractile", **look)
     if np.isfinite(capacity):
         ax.axvline(capacity, label="capacity", **drawing.LIMIT)
 
@@ -237,20 +293,17 @@ DECADES = 6  # of rates below the largest that are drawn
 
 
 def _draw_rates(
-    hazard: Hazard, rates: Mapping[Any, Rate], title: str, unit: str, note: str
+    hazard: Hazard, rates: Mapping[Any, Rate], title: str, measure: str, note: str
 ) -> Figure:
     """Draw the hazard curve, and the annual rate of each temperature or climate."""
     figure, (left, right) = drawing.panels(1, 2, (7.1, 3.2), title, least=drawing.NARROW)
     left.loglog(hazard.intensity, hazard.rate, color=drawing.INK, linewidth=1.4, marker="o", ms=3)
-    measure = hazard.measure or "intensity"
-    measure = f"{measure} [{unit}]" if unit else measure
     drawing.name_axes(left, measure, "rate of exceedance [1/year]", "hazard curve of the site")
     _bars(right, rates)
     drawing.name_axes(right, title="exceedance of the capacity")
     notes = dict.fromkeys([note, *(text for rate in rates.values() for text in rate.notes)])
-    room = drawing.fitting(WRAPPED)
-    below = "\n".join(textwrap.fill(text, room) for text in notes if text)
-    figure.supxlabel(below, x=0.02, ha="left", fontsize=drawing.SMALL, color=drawing.GREY)
+    notes |= dict.fromkeys(rate.few_motions for rate in rates.values())
+    _note_below(figure, "\n".join(filter(None, notes)))
     left.xaxis.set_minor_locator(LogLocator(subs=(2.0, 5.0)))
     left.xaxis.set_major_formatter("{x:g}")
     left.xaxis.set_minor_formatter("{x:g}")
@@ -260,19 +313,20 @@ def _draw_rates(
 
 def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     names = list(rates)
-    numbers = [name for name in names if isinstance(name, int | float)]
-    warm = dict(zip(numbers, _level_colours(numbers), strict=True)) if len(numbers) > 1 else {}
+    levels = [name for name in names if name != CLIMATE]
+    warm = dict(zip(levels, _level_colours(levels), strict=True)) if len(levels) > 1 else {}
     top = max((rate.high for rate in rates.values() if np.isfinite(rate.high)), default=1.0)
+    # A lower end of zero has no place on a logarithmic axis.
     floor = top * 10.0**-DECADES if top > 0.0 else 1e-9
     for place, name in enumerate(names):
         rate, colour = rates[name], warm.get(name, drawing.INK)
         if not rate.rate > 0.0:
-            why = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
+            reason = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
             ax.text(
                 place,
                 0.02,
-                why,
+                reason,
                 transform=ax.get_xaxis_transform(),
                 fontsize=drawing.SMALLEST,
                 **look,
@@ -281,13 +335,14 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
                 ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
             continue
         ax.plot(place, rate.rate, "o", color=colour, markersize=5)
-        ax.vlines(place, max(rate.low, floor), rate.high, color=colour, linewidth=1.4)
+        if not rate.few_motions:
+            ax.vlines(place, max(rate.low, floor), rate.high, color=colour, linewidth=1.4)
     ax.set_yscale("log")
     ax.tick_params(which="both", labelsize=drawing.SMALL)
     ax.set_xlim(-0.6, len(names) - 0.4)
     ticks = [drawing.degrees(n) if isinstance(n, int | float) else str(n) for n in names]
-    turn: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
-    ax.set_xticks(range(len(names)), ticks, **turn)
+    rotated: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
+    ax.set_xticks(range(len(names)), ticks, **rotated)
     ax.grid(False, axis="x")
     drawing.name_axes(ax, "", "rate of exceedance [1/year]")
 
@@ -302,9 +357,9 @@ KINDS = {
 def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
     kinds = [kind for kind in KINDS if kind in contributions]
     by = "total" if "total" in contributions else "share"
-    rest = contributions["factor"] == REST
-    factors = contributions[~rest]
-    rows = pd.concat([contributions[rest], factors.iloc[order_from_least(factors[by])]])
+    is_rest = contributions["factor"] == REST
+    factors = contributions[~is_rest]
+    rows = pd.concat([contributions[is_rest], factors.iloc[order_from_least(factors[by])]])
     size = (5.6, 1.2 + 0.42 * len(rows))
     title = f"Variance contributions, {column_words(demand)}"
     figure, (ax,) = drawing.panels(1, 1, size, title)
@@ -314,18 +369,21 @@ def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
         share, low, high = (
             100.0 * rows[f"{kind}{end}"].to_numpy(dtype=float) for end in ("", "_low", "_high")
         )
-        at = places + height * (0.5 * (len(kinds) - 1) - number)
+        positions = places + height * (0.5 * (len(kinds) - 1) - number)
         label, colour = KINDS[kind]
-        ax.barh(at, share, height=0.9 * height, color=colour, alpha=0.85, label=label)
+        ax.barh(positions, share, height=0.9 * height, color=colour, alpha=0.85, label=label)
         band = "" if number else "95 % band"
-        ax.hlines(at, low, high, color=drawing.INK, linewidth=1.0, label=band)
+        ax.hlines(positions, low, high, color=drawing.INK, linewidth=1.0, label=band)
     ax.set_yticks(places, [column_words(str(name)).replace(", ", ",\n") for name in rows["factor"]])
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
-    lost, many = int(contributions["left_out"].iloc[0]), int(contributions["rows"].iloc[0])
+    failed, row_count = int(contributions["left_out"].iloc[0]), int(contributions["rows"].iloc[0])
     kind = "samples" if "total" in contributions else "runs"
-    drawing.name_axes(ax, f"share of the variance [%], {many} {kind}, {lost} failed and left out")
-    _legend(figure, ax)
+    counts = f"{row_count} {kind}, {failed} failed and left out"
+    drawing.name_axes(ax, "share of the variance [%]")
+    _note_below(figure, "\n".join(filter(None, [counts, sampling_note(contributions)])))
+    # The layout reserves one strip below the panels, which the note has.
+    ax.legend(loc="best", fontsize=drawing.SMALL)
     return figure
 
 
@@ -340,8 +398,8 @@ class StudyFigures(drawing.Figures):
     def demand(self, across: str = AMBIENT) -> Figure:
         """Draw fractiles of the demand against the temperature; a panel for each bearing."""
         result = self._result
-        found = result.demand(across=across, failed=result.question.failed)
-        return _draw_demand(found, result, across, _count_sentence(result))
+        quantiles = result.demand(across=across, failed=result.question.failed)
+        return _draw_demand(quantiles, result, across, _count_sentence(result))
 
     def ida(self) -> Figure:
         """Draw IDA curves of motions with their fractiles; a panel for each temperature."""
@@ -353,24 +411,34 @@ class StudyFigures(drawing.Figures):
         parts = {"": result}
         if len(levels) > 1:
             parts = {drawing.degrees(level): result.select(ambient_degC=level) for level in levels}
-        found = {name: part.ida(demand, failed=question.failed) for name, part in parts.items()}
-        return _draw_ida(found, demand, runs.sentence, question.capacity or np.nan)
+        curves = {name: part.ida(demand, failed=question.failed) for name, part in parts.items()}
+        capacity = question.capacity or np.nan
+        return _draw_ida(curves, demand, self._intensity(), runs.sentence, capacity)
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""
-        return _draw_fragility(*self._result.find_curves(), self._title("fragility"))
+        title = self._title("fragility")
+        return _draw_fragility(*self._result.find_curves(), title, self._intensity())
 
     def rates(self) -> Figure:
         """Draw the hazard curve and the annual rates of exceedance."""
         result = self._result
         _, rates = result.find_rates()
         assert result.question.hazard is not None  # else the line above has raised
-        hazard, unit = result.question.hazard._curve(), find_unit(result.intensity)
-        return _draw_rates(hazard, rates, self._title("annual rate"), unit, _count_sentence(result))
+        hazard, title = result.question.hazard._curve(), self._title("annual rate")
+        return _draw_rates(hazard, rates, title, self._intensity(), _count_sentence(result))
 
     def variance(self) -> Figure:
         """Draw the share of each factor in the variance of the demand."""
         return _draw_variance(self._result.variance(), self._result.demand_name)
+
+    def _intensity(self) -> str:
+        """Return the label of an axis of the intensity; Sa with its period and damping."""
+        scale, name = self._result.study.factors.scale, self._result.intensity
+        if scale.measure != "Sa":
+            return _title(name)
+        damping = DAMPING if scale.damping is None else scale.damping
+        return f"Sa(T = {scale.period:g} s, {100.0 * damping:g} %) [{find_unit(name)}]"
 
     def _title(self, what: str) -> str:
         result = self._result
@@ -381,24 +449,24 @@ class StudyFigures(drawing.Figures):
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return a function for each figure that this study has, by name of its file."""
         result, question = self._result, self._result.question
-        found: dict[str, Callable[[], Figure]] = {}
+        figures: dict[str, Callable[[], Figure]] = {}
         if AMBIENT in result.factors:
-            found["demand"] = self.demand
+            figures["demand"] = self.demand
         if result.has_variance:
-            found["variance"] = self.variance
+            figures["variance"] = self.variance
         if question.hazard is not None:
             result.capacity  # noqa: B018 - it raises without one
         for name, part in result.parts().items():
-            own = StudyFigures(part)
+            part_figures = StudyFigures(part)
             ending = f"-{name}" if name else ""
             if part.has_ida:
-                found[f"ida{ending}"] = own.ida
+                figures[f"ida{ending}"] = part_figures.ida
             if question.capacity is None or part.table[part.intensity].nunique() < 2:
                 continue
-            found[f"fragility{ending}"] = own.fragility
+            figures[f"fragility{ending}"] = part_figures.fragility
             if question.hazard is not None:
-                found[f"rates{ending}"] = own.rates
-        return found
+                figures[f"rates{ending}"] = part_figures.rates
+        return figures
 
 
 def _count_sentence(result: StudyResult) -> str:

@@ -1,17 +1,20 @@
 """Result of a parameter study, and its post-processing options (question.toml)."""
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Unpack
 
 import numpy as np
 import tomli_w
+from numpy.typing import ArrayLike
 from pydantic import Field, PrivateAttr
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.lazy import pd
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Strict, in_unit, validated
 from thermobearing.border.text_file import write_file
 from thermobearing.border.toml import read_toml, to_table
@@ -25,14 +28,22 @@ from thermobearing.quantities.tables import Table
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
-from thermobearing.studies.definition.case import load_study
-from thermobearing.studies.definition.designs import AMBIENT, HOUR, THINGS, list_columns
-from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS, Posterior, Study
+from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, Plan
+from thermobearing.studies.definition.record import (
+    COLUMNS,
+    INTENSITY_UNITS,
+    Posterior,
+    Study,
+    stated_laws,
+)
 from thermobearing.studies.statistics.demand import (
     OUTCOME,
     WORST,
     Failed,
+    counted,
     demand_against,
+    extrapolations,
+    failure_rule,
     in_classes,
     ranked_by,
     worst_runs,
@@ -68,6 +79,7 @@ FACES = ("upper_face", "lower_face", "side")
 
 
 QUESTION = "question.toml"
+LAW_FILE = "FILE.py"  # to be replaced by the reader
 Rates = tuple[Annotated[float, in_unit("1/year"), Field(gt=0)], ...]
 Periods = tuple[Annotated[float, in_unit("year"), Field(gt=0)], ...]
 
@@ -89,9 +101,9 @@ class SiteHazard(Strict):
     return_period: Periods | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        both = [name for name in ("rate", "return_period") if name in given]
-        return [] if len(both) == 1 else ["give rate, or return_period"]
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        stated_keys = [name for name in ("rate", "return_period") if name in values]
+        return [] if len(stated_keys) == 1 else ["give rate, or return_period"]
 
     def _curve(self) -> Hazard:
         unit = INTENSITY_UNITS[self.measure]
@@ -134,13 +146,13 @@ class Question(Strict):
 
 def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Question:
     """Return checked options of a file or of the command line, where None means not given."""
-    given = {name: value for name, value in table.items() if value is not None}
-    hazard, weather = given.get("hazard"), given.get("weather")
+    options = {name: value for name, value in table.items() if value is not None}
+    hazard, weather = options.get("hazard"), options.get("weather")
     if isinstance(hazard, str):
-        given["hazard"] = _hazard_table(folder / hazard)
+        options["hazard"] = _hazard_table(folder / hazard)
     if isinstance(weather, str) and weather not in CLIMATES.names():
-        given["weather"] = str((folder / weather).resolve())
-    question = validated(Question, given, where)
+        options["weather"] = str((folder / weather).resolve())
+    question = validated(Question, options, where)
     try:
         if question.hazard is not None:
             question.hazard._curve()
@@ -154,14 +166,14 @@ def _hazard_table(path: Path) -> dict[str, Any]:
     faults = []
     for measure, unit in INTENSITY_UNITS.items():
         try:
-            found = load_hazard(path, measure)
+            curve = load_hazard(path, measure)
         except InputError as error:
             faults.append(error)
             continue
         return {
             "measure": measure,
-            "intensity": [with_unit(x, unit) for x in found.intensity],
-            "rate": [with_unit(x, "1/year") for x in found.rate],
+            "intensity": [with_unit(x, unit) for x in curve.intensity],
+            "rate": [with_unit(x, "1/year") for x in curve.rate],
         }
     raise faults[0]
 
@@ -179,14 +191,15 @@ def save_question(directory: Path, question: Question) -> None:
 
 def change_question(saved: Question, options: Mapping[str, Any], folder: Path = Path()) -> Question:
     """Return saved options with the given ones in place of theirs; None means not given."""
-    new = {name: value for name, value in options.items() if value is not None}
-    made = _make_question(new, "options", folder)
-    return Question(**(dict(saved) | {name: getattr(made, name) for name in new}))
+    changes = {name: value for name, value in options.items() if value is not None}
+    question = _make_question(changes, "options", folder)
+    return Question(**(dict(saved) | {name: getattr(question, name) for name in changes}))
 
 
 NUMBERS = ("scale", AMBIENT, HOUR)
 
 
+@checked
 class StudyResult(Result):
     """Runs of a parameter study, and their statistics.
 
@@ -220,7 +233,7 @@ class StudyResult(Result):
         self.table, self.study, self.manifest = table, study, dict(manifest)
         self.directory, self.question = Path(directory), question or Question()
         self._parts: tuple[Question, dict[str, StudyResult]] | None = None
-        self._found: tuple[Question, dict[Any, Fragility], Fragility | None] | None = None
+        self._curve_cache: tuple[Question, dict[Any, Fragility], Fragility | None] | None = None
 
     @property
     def runs(self) -> int:
@@ -248,8 +261,8 @@ class StudyResult(Result):
     def factors(self) -> list[str]:
         """Columns of factors that vary between runs."""
         dotted = list(self.study.factors.numbers)
-        known = [name for name in (*THINGS, *NUMBERS, *dotted) if name in self.table]
-        return [name for name in known if self.table[name].nunique() > 1]
+        columns = [name for name in (*NAMED_FACTORS, *NUMBERS, *dotted) if name in self.table]
+        return [name for name in columns if self.table[name].nunique() > 1]
 
     @property
     def things(self) -> list[str]:
@@ -269,20 +282,34 @@ class StudyResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        found = []
+        sentences = []
         if self.outcome == "incomplete":
-            found.append(f"{self.runs} of {self.manifest['runs']} runs are complete")
+            sentences.append(f"{self.runs} of {self.manifest['runs']} runs are complete")
         if self.failed:
-            found.append(
-                f"{self.failed} of {self.runs} runs failed; they are left out, or count as "
-                'collapse with failed = "collapse"'
+            sentences.append(self._failure_sentence())
+        sentences += extrapolations(self.table, self.study.factors.bearing.levels)
+        if MATRIX in self.table and not self._has_sobol_design:
+            sentences.append(
+                "the shares of variance are correlation ratios, not Sobol' indices, which need "
+                "one combination of levels (motion, bearing, structure, temperature): make a study "
+                "of each"
             )
-        if "scale" in self.factors and not self.has_ida:
-            found.append(
-                "incremental dynamic analysis is skipped: it needs the same draws at several "
-                "intensities (`paired = true` in [design])"
-            )
-        return found + self.study.pair_notes
+        return sentences + self.study.pair_notes
+
+    @property
+    def _has_sobol_design(self) -> bool:
+        """Whether each sample of each of Saltelli's matrices was run once."""
+        table = self.table
+        return MATRIX in table and not table.duplicated([MATRIX, "sample"]).any()
+
+    def _failure_sentence(self) -> str:
+        """Return how many runs failed, and the rule by which they count."""
+        demand, failed = self.demand_name, self.question.failed
+        try:
+            sentence = counted(self.table, demand, failed).sentence
+        except InputError:  # no run has a number
+            return f"{self.failed} of {self.runs} runs failed"
+        return f"{sentence}. {failure_rule(demand, failed)}".removesuffix(".")
 
     def tables(self) -> dict[str, Table]:
         """Return tables of failures, demand, fragility, rates and variance, where they exist."""
@@ -334,8 +361,8 @@ class StudyResult(Result):
     @property
     def has_ida(self) -> bool:
         """Whether some runs differ in their intensity only."""
-        alone = MATRIX in self.table or "scale" not in self.factors
-        return not alone and bool(self.table.duplicated(list(self._curves())).any())
+        unsuitable = MATRIX in self.table or "scale" not in self.factors
+        return not unsuitable and bool(self.table.duplicated(list(self._curves())).any())
 
     @property
     def has_variance(self) -> bool:
@@ -343,8 +370,8 @@ class StudyResult(Result):
         return len(self.factors) > 1 and self.runs - self.failed >= LEAST_ROWS
 
     def _curves(self) -> tuple[str, ...]:
-        apart = [name for name in ("motion", "sample", *self.factors) if name in self.table]
-        return tuple(dict.fromkeys(name for name in apart if name != "scale"))
+        columns = [name for name in ("motion", "sample", *self.factors) if name in self.table]
+        return tuple(dict.fromkeys(name for name in columns if name != "scale"))
 
     def select(self, **chosen: Any) -> "StudyResult":
         """Return the runs with some values of their factors, as a result.
@@ -359,16 +386,16 @@ class StudyResult(Result):
         InputError
             There is no such column or no such run.
         """
-        kept = np.ones(self.runs, dtype=bool)
+        selected = np.ones(self.runs, dtype=bool)
         for name, value in chosen.items():
             if name not in self.table:
                 raise InputError(f'no column "{name}"{nearest(name, [str(k) for k in self.table])}')
             values = value if isinstance(value, list | tuple) else [value]
-            kept &= self.table[name].isin(values).to_numpy(dtype=bool)
-        if not kept.any():
+            selected &= self.table[name].isin(values).to_numpy(dtype=bool)
+        if not selected.any():
             raise InputError(f"no run has {chosen}")
-        manifest = {**self.manifest, "runs": int(kept.sum())}
-        table = self.table[kept].reset_index(drop=True)
+        manifest = {**self.manifest, "runs": int(selected.sum())}
+        table = self.table[selected].reset_index(drop=True)
         return StudyResult(table, self.study, manifest, self.directory, self.question)
 
     def parts(self) -> dict[str, "StudyResult"]:
@@ -376,11 +403,11 @@ class StudyResult(Result):
         if not self.things:
             return {"": self}
         if not self._parts or self._parts[0] is not self.question:
-            found = {}
-            for one in self.table[self.things].drop_duplicates().to_dict("records"):
-                chosen = {str(key): value for key, value in one.items()}
-                found["-".join(map(str, one.values()))] = self.select(**chosen)
-            self._parts = self.question, found
+            results = {}
+            for row in self.table[self.things].drop_duplicates().to_dict("records"):
+                chosen = {str(key): value for key, value in row.items()}
+                results["-".join(map(str, row.values()))] = self.select(**chosen)
+            self._parts = self.question, results
         return self._parts[1]
 
     def _refuse_mixed(self, by: str = "") -> None:
@@ -440,7 +467,7 @@ class StudyResult(Result):
         demand = demand or self.demand_name
         return fragility_curves(table, demand, capacity, self.intensity, by, **options)
 
-    def over_climate(self, curves: Mapping[Any, Fragility], temperatures: Any) -> Fragility:
+    def over_climate(self, curves: Mapping[Any, Fragility], temperatures: ArrayLike) -> Fragility:
         """Return the mean of the curves of temperature levels, each by its share of the time.
 
         Parameters
@@ -497,42 +524,46 @@ class StudyResult(Result):
     def find_curves(self) -> tuple[dict[Any, Fragility], Fragility | None]:
         """Return curves of each temperature of one bearing, and that over the climate, if any."""
         question = self.question
-        if self._found is None or self._found[0] is not question:  # a bootstrap takes long
-            how: dict[str, Any] = {"method": question.method, "failed": question.failed}
-            curves, climate = self.fragilities(self.capacity, **how), None
+        # Kept until the question changes, since a bootstrap takes long.
+        if self._curve_cache is None or self._curve_cache[0] is not question:
+            options: dict[str, Any] = {"method": question.method, "failed": question.failed}
+            curves, climate = self.fragilities(self.capacity, **options), None
             if not all(isinstance(name, int | float) for name in curves):
                 # The study has drawn its temperatures from a climate.
-                climate = self.fragility(self.capacity, name=CLIMATE, **how)
+                climate = self.fragility(self.capacity, name=CLIMATE, **options)
             elif question.temperatures is not None:
                 climate = self.over_climate(curves, self._rubber())
-            self._found = question, curves, climate
-        return self._found[1:]
+            self._curve_cache = question, curves, climate
+        return self._curve_cache[1:]
 
     def find_rates(self) -> tuple[dict[Any, Fragility], dict[Any, Rate]]:
         """Return the curves, and the annual rate of each; that over the climate is the last."""
         if self.question.hazard is None:
             raise InputError("annual rates need a hazard curve: set hazard")
         curves, climate = self.find_curves()
-        every = curves if climate is None else {**curves, CLIMATE: climate}
-        return curves, self.rates(every, self.question.hazard._curve())
+        all_curves = curves if climate is None else {**curves, CLIMATE: climate}
+        return curves, self.rates(all_curves, self.question.hazard._curve())
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""
-        weather, known = self.question.temperatures, self.question._rubber
+        weather, cache = self.question.temperatures, self.question._rubber
         if not isinstance(weather, Hourly):
             return weather
         names = tuple(sorted({str(name) for name in self.table["bearing"]}))
-        if names not in known:
-            levels = [one for one in self.study.factors.bearing.levels if str(one.name) in names]
+        if names not in cache:
+            levels = [
+                level for level in self.study.factors.bearing.levels if str(level.name) in names
+            ]
             bearing = levels[0].bearing if isinstance(levels[0], Posterior) else levels[0]
-            known[names] = weather.temperature
+            # Without a temperature of the rubber that all share, it is that of the air.
+            cache[names] = weather.temperature
             if len(levels) == 1 and isinstance(bearing, Bearing):
-                given, usual = self.study.case.analysis, ModelOptions()
-                faces = {key: getattr(given, key) for key in FACES}
-                faces = {key: face for key, face in faces.items() if face != getattr(usual, key)}
-                found = bearing_weather(bearing, weather, **faces)
-                known[names] = found["rubber_degC"].to_numpy()
-        return known[names]
+                analysis, defaults = self.study.case.analysis, ModelOptions()
+                faces = {key: getattr(analysis, key) for key in FACES}
+                faces = {key: face for key, face in faces.items() if face != getattr(defaults, key)}
+                temperatures = bearing_weather(bearing, weather, model=ModelOptions(**faces))
+                cache[names] = temperatures["rubber_degC"].to_numpy()
+        return cache[names]
 
     def rates_table(
         self, curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], to: Any = None
@@ -548,11 +579,14 @@ class StudyResult(Result):
         to : optional
             Name of the rate that the others are divided by; the last curve by default.
         """
-        to = list(curves)[-1] if to is None else to
+        to = list(curves)[-1] if to is None and curves else to
+        if not curves or not isinstance(to, Hashable) or to not in rates:
+            names = ", ".join(map(str, rates)) or "none"
+            raise InputError(f"to = {short_repr(to)}: must be the name of a rate; known: {names}")
         level = next(iter(curves.values())).level
         rows = []
         for name, rate in rates.items():
-            times, low, high = ratio(rate, rates[to], level)
+            quotient, low, high = ratio(rate, rates[to], level)
             rows.append(
                 {
                     "name": name,
@@ -561,7 +595,7 @@ class StudyResult(Result):
                     "rate_high": rate.high,
                     "return_period_years": rate.return_period,
                     "in_50_years": rate.probability(50.0),
-                    "over_reference": times,
+                    "over_reference": quotient,
                     "over_low": low,
                     "over_high": high,
                     "notes": "; ".join(rate.notes),
@@ -582,9 +616,9 @@ class StudyResult(Result):
             Column; `demand_name` by default.
         """
         name = demand or self.demand_name
-        if MATRIX in self.table and not self.table.duplicated([MATRIX, "sample"]).any():
-            found = sobol_table(self.table, name)
-            return found.assign(factor=found["factor"].replace(HOUR, AMBIENT))
+        if self._has_sobol_design:
+            indices = sobol_table(self.table, name)
+            return indices.assign(factor=indices["factor"].replace(HOUR, AMBIENT))
         factors = [factor for factor in self.factors if factor != HOUR]
         if self.study.factors.scale.of == "intensity":  # which with the motion determines the scale
             factors = [self.intensity if factor == "scale" else factor for factor in factors]
@@ -594,7 +628,7 @@ class StudyResult(Result):
         """Return the factors whose draws are the same in all combinations of levels."""
         if not self.study.design.paired or self.table["sample"].nunique() == self.runs:
             return []
-        drawn = {column.name for column in list_columns(self.study) if column.drawn}
+        drawn = {column.name for column in Plan(self.study).columns if column.drawn}
         drawn |= {AMBIENT} if HOUR in drawn else set()
         return [name for name in self.factors if name in drawn and name != HOUR]
 
@@ -609,18 +643,24 @@ class StudyResult(Result):
             Column that ranks the runs; `demand_name` by default.
         """
         by = by or self.question.demand
-        some = worst_runs(self.table, count, by)
+        run_numbers = worst_runs(self.table, count, by)
         failed = self.table[self.table[OUTCOME] != COMPLETED]
-        some += [int(run) for run in failed.groupby(OUTCOME, sort=True, observed=True)["run"].min()]
+        run_numbers += [
+            int(run) for run in failed.groupby(OUTCOME, sort=True, observed=True)["run"].min()
+        ]
         columns = ["run", "id", OUTCOME, *self.factors, by or self.demand_name]
-        found = self.table.set_index("run", drop=False).loc[some, columns].reset_index(drop=True)
+        by_run = self.table.set_index("run", drop=False)
+        rows = by_run.loc[run_numbers, columns].reset_index(drop=True)
         place = str(self.directory).rstrip("/")
-        found["command"] = [
+        # A study never names the file that registers a law, since files load no code.
+        own_laws = any(stated_laws(bearing) for bearing in self.study.factors.bearing.levels)
+        rows["command"] = [
             f"thermobearing study repeat {shlex.quote(place)} {run} -o "
             + shlex.quote(f"{place}-run-{run}")
-            for run in some
+            + (f" --law {LAW_FILE}" if own_laws else "")
+            for run in run_numbers
         ]
-        return pd.DataFrame(found)
+        return pd.DataFrame(rows)
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -651,11 +691,9 @@ def is_study(path: str | Path) -> bool:
 def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:
     """Return the result of a study, also of an incomplete one, with its own question by default."""
     store = Store(Path(directory))
-    table = store.table()
+    table = store.table(shards=store.checked_shards())
     if len(table) == 0:
         raise InputError("no run is complete yet", str(directory))
     ordered = table.sort_values("run", kind="stable").reset_index(drop=True)
     question = question or load_question(store.directory)
-    return StudyResult(
-        ordered, load_study(store.directory / STUDY), store.manifest, directory, question
-    )
+    return StudyResult(ordered, store.study(), store.manifest, directory, question)

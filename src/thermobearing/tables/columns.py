@@ -17,6 +17,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
@@ -52,9 +53,9 @@ _YEAR_LAST = re.compile(r"^\d{1,2}[./-]\d{1,2}[./-]\d{4}\b")
 
 @cache
 def _words(table: str) -> Mapping[str, tuple[str, ...]]:
-    """Return one table of data/tables/words.toml: names, within or units."""
+    """Return one table of data/tables/words.toml: names, within, joined or units."""
     content = read_toml(data_path("tables", "words.toml"))
-    return {name: tuple(some) for name, some in content[table].items()}
+    return {name: tuple(spellings) for name, spellings in content[table].items()}
 
 
 def plain_title(text: str) -> str:
@@ -78,10 +79,11 @@ def find_title(titles: Sequence[str], wanted: str) -> int | None:
     """
     if wanted in titles:
         return titles.index(wanted)
-    named = [name_and_unit(title)[0] for title in titles]
-    forms: tuple[Callable[[str], str], ...] = (plain_title, _without_hyphens)
-    for form, names in product(forms, (titles, named)):
-        places = [at for at, name in enumerate(names) if form(name) == form(wanted)]
+    plain_names = [name_and_unit(title)[0] for title in titles]
+    # From the strictest comparison to the loosest: the first that fits any title decides.
+    simplifications: tuple[Callable[[str], str], ...] = (plain_title, _without_hyphens)
+    for simplify, names in product(simplifications, (titles, plain_names)):
+        places = [at for at, name in enumerate(names) if simplify(name) == simplify(wanted)]
         if places:
             return places[0] if len(places) == 1 else None
     return None
@@ -94,7 +96,9 @@ def _without_hyphens(title: str) -> str:
 def plain_unit(text: str) -> str:
     """Return a unit in pint's spelling (laboratories also write "sec", "℃", "tf")."""
     flat = unicodedata.normalize("NFKC", text).strip()
-    return next((unit for unit, some in _words("units").items() if flat.lower() in some), flat)
+    return next(
+        (unit for unit, spellings in _words("units").items() if flat.lower() in spellings), flat
+    )
 
 
 @cache
@@ -128,16 +132,19 @@ def name_and_unit(title: str) -> tuple[str, str]:
     joined = _JOINED.match(text)
     if joined:
         plain = plain_title(text)
-        if any(plain in some for some in _words("names").values()) and not _known(joined["unit"]):
+        # "temp_chamber" is a name in itself. The last word of another title counts as its unit even
+        # where that is unknown, so that a misspelled unit is reported.
+        is_name = any(plain in spellings for spellings in _words("names").values())
+        if is_name and not _is_known_unit(joined["unit"]):
             return text, ""
         return joined["name"].strip(), joined["unit"].strip()
-    apart = _APART.match(text)
-    if apart and _known(apart["unit"]):
-        return apart["name"].rstrip(" ,:/"), apart["unit"].strip()
+    separated = _APART.match(text)
+    if separated and _is_known_unit(separated["unit"]):
+        return separated["name"].rstrip(" ,:/"), separated["unit"].strip()
     return text, ""
 
 
-def _known(unit: str) -> bool:
+def _is_known_unit(unit: str) -> bool:
     return not unit[0].isdigit() and measured_in(unit) is not None
 
 
@@ -152,9 +159,13 @@ def holds_word(name: str, quantity: str) -> bool:
 
     >>> holds_word("Chamber air T3", "ambient"), holds_word("repair", "ambient")
     (True, False)
+    >>> holds_word("Kammertemperatur", "ambient")
+    True
     """
     flat = plain_title(name)
-    tokens = {re.sub(r"[\d.]+$", "", token) for token in re.split(r"[^\w]+|_", flat)}
+    if any(part in flat for part in _words("joined").get(quantity, ())):
+        return True
+    tokens = {token.rstrip("0123456789.") for token in re.split(r"[^\w]+|_", flat)}
     return any(
         word in tokens or (word in flat and (" " in word or not word.isascii()))
         for word in _words("within")[quantity]
@@ -208,7 +219,7 @@ class Table(NamedTuple):
         return values * scale + offset
 
 
-def read_number(text: str, most: float = HUGEST) -> float:
+def read_number(text: str, limit: float = HUGEST) -> float:
     """Return a finite float of a plausible size; Python would also take "1_0" and "nan"."""
     try:
         value = float(text.replace("_", "x").replace("D", "E").replace("d", "e"))
@@ -217,13 +228,13 @@ def read_number(text: str, most: float = HUGEST) -> float:
         raise InputError(f'"{shortened(text)}" is not a {finite}number') from None
     if not math.isfinite(value):
         raise InputError(f'"{shortened(text)}" is not a finite number')
-    if abs(value) > most:
-        raise InputError(f'"{shortened(text)}" is too large, more than {most:g}')
+    if abs(value) > limit:
+        raise InputError(f'"{shortened(text)}" is too large, more than {limit:g}')
     return value
 
 
 def _filled(row: list[str]) -> list[str]:
-    """Count cells with content: "Date;05.02.2026" above a table has fewer than its rows."""
+    """Return the cells with content: "Date;05.02.2026" above a table has fewer than its rows."""
     return [cell.strip() for cell in row if cell.strip()]
 
 
@@ -238,8 +249,8 @@ def _bare_units(row: list[str]) -> list[str] | None:
     bare = [cell.strip().strip("[]()").strip() for cell in row]
     if any(len(text) > LONGEST_NUMBER for text in bare):
         return None
-    some = [text for text in bare if not UNITLESS.fullmatch(text)]
-    return bare if some and all(measured_in(text) for text in some) else None
+    units = [text for text in bare if not UNITLESS.fullmatch(text)]
+    return bare if units and all(measured_in(text) for text in units) else None
 
 
 def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
@@ -259,7 +270,8 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     head = 0 if layout.lines_before else _head(rows)
     titles, first = rows[head][1], head + 1
     if head == 0 and not layout.lines_before and _share(titles) > DATA:
-        titles, first = _commented(sheet, len(titles)), 0
+        # The first row holds numbers already: no row is left for the titles.
+        titles, first = _titles_of_comment(sheet, len(titles)), 0
     units = [""] * len(titles)
     body = rows[first:]
     skipped = layout.lines_after or next(
@@ -274,42 +286,44 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
         if (bare := _bare_units(row)) is not None:
             units = ["" if UNITLESS.fullmatch(unit := text.strip(" -")) else unit for text in bare]
             units += [""] * (len(titles) - len(units))
-    kept, parts = _in_parts(body[skipped:], titles)
-    titles = _once(titles)
+    data_rows, parts = _in_parts(body[skipped:], titles)
+    titles = _unique_titles(titles)
     pairs = [name_and_unit(title) for title in titles]
-    units = [own or below for (_, own), below in zip(pairs, units, strict=False)]
-    return Table(sheet, titles, [name for name, _ in pairs], units, kept, parts)
+    units = [
+        title_unit or row_unit for (_, title_unit), row_unit in zip(pairs, units, strict=False)
+    ]
+    return Table(sheet, titles, [name for name, _ in pairs], units, data_rows, parts)
 
 
 def _head(rows: list[Row]) -> int:
     """Number of the row of titles: the widest row of words before the first row of numbers."""
-    usual = int(np.median([len(_filled(row)) for _, row in rows[:USUAL]]))
+    median_width = int(np.median([len(_filled(row)) for _, row in rows[:USUAL]]))
     first = next(
         (
             n
             for n, (_, row) in enumerate(rows)
-            if _share(row) >= DATA and (len(_filled(row)) >= usual or is_numeric(row[0]))
+            if _share(row) >= DATA and (len(_filled(row)) >= median_width or is_numeric(row[0]))
         ),
         len(rows),
     )
-    before = [row for _, row in rows[:first]]
-    if not before:
+    rows_above = [row for _, row in rows[:first]]
+    if not rows_above:
         return 0
-    most = len(rows[first][1]) if first < len(rows) else len(max(before, key=len))
-    widths = [min(len(_filled(row)), most) for row in before]
-    wide = [n for n in range(len(before)) if widths[n] == max(widths)]
-    titled = [n for n in wide if _bare_units(before[n]) is None]
+    width = len(rows[first][1]) if first < len(rows) else len(max(rows_above, key=len))
+    widths = [min(len(_filled(row)), width) for row in rows_above]
+    widest = [n for n in range(len(rows_above)) if widths[n] == max(widths)]
+    titled = [n for n in widest if _bare_units(rows_above[n]) is None]
     # The last of several, but not a row of channel numbers below a row of names.
-    called = [n for n in titled if any(_means(cell) for cell in before[n])]
-    return called[0] if called else (titled or wide)[-1]
+    named = [n for n in titled if any(_names_quantity(cell) for cell in rows_above[n])]
+    return named[0] if named else (titled or widest)[-1]
 
 
-def _means(title: str) -> bool:
+def _names_quantity(title: str) -> bool:
     name = name_and_unit(title)[0]
-    return any(is_called(name, wanted) for wanted in ("time", "displacement", "force"))
+    return any(is_called(name, quantity) for quantity in ("time", "displacement", "force"))
 
 
-def _commented(sheet: Sheet, width: int) -> list[str]:
+def _titles_of_comment(sheet: Sheet, width: int) -> list[str]:
     """Titles from a comment above the numbers; else the columns are called by their numbers."""
     for line, text in reversed(sheet.comments):
         cells = re.split(r"\s*[;,\t]\s*|\s+", text)
@@ -318,32 +332,37 @@ def _commented(sheet: Sheet, width: int) -> list[str]:
     return [f"column {n}" for n in range(1, width + 1)]
 
 
-def _once(titles: list[str]) -> list[str]:
+def _unique_titles(titles: list[str]) -> list[str]:
     """Return the titles without blanks around them; the second of a kind gets a number."""
-    found: list[str] = []
+    unique_titles: list[str] = []
     for number, text in enumerate(titles, 1):
         title = text.strip() or f"column {number}"
-        count = sum(one == title or one.startswith(f"{title} (") for one in found) + 1
-        found.append(title if count == 1 or title not in found else f"{title} ({count})")
-    return found
+        same = [
+            earlier
+            for earlier in unique_titles
+            if earlier == title or earlier.startswith(f"{title} (")
+        ]
+        unique_titles.append(f"{title} ({len(same) + 1})" if title in unique_titles else title)
+    return unique_titles
 
 
 def _in_parts(rows: list[Row], titles: list[str]) -> tuple[list[Row], list[int]]:
     """Rows of numbers, and where a new part begins: after titles repeated, or one word alone."""
     names = [title.strip() for title in titles]
-    kept: list[Row] = []
-    parts, fresh = [0], False
+    data_rows: list[Row] = []
+    parts, new_part = [0], False
     for line, row in rows:
-        held = _filled(row)
-        alone = len(names) > 1 and len(held) == 1 and not is_numeric(held[0])
-        if alone or [cell.strip() for cell in row] == names:
-            fresh = True
-        elif not fresh or _share(row) > 0.0 or _bare_units(row) is None:
-            if fresh and kept:
-                parts.append(len(kept))
-            fresh = False
-            kept.append((line, row))
-    return kept, parts
+        filled = _filled(row)
+        lone_word = len(names) > 1 and len(filled) == 1 and not is_numeric(filled[0])
+        if lone_word or [cell.strip() for cell in row] == names:
+            new_part = True
+        # A row of units below repeated titles belongs to them.
+        elif not new_part or _share(row) > 0.0 or _bare_units(row) is None:
+            if new_part and data_rows:
+                parts.append(len(data_rows))
+            new_part = False
+            data_rows.append((line, row))
+    return data_rows, parts
 
 
 class Columns(NamedTuple):
@@ -361,6 +380,7 @@ class Columns(NamedTuple):
     begins: np.datetime64 | None = None
 
 
+@checked
 def read_columns(
     path: Path | str,
     wanted: dict[str, str],
@@ -432,34 +452,36 @@ def list_columns(
     table: Table, wanted: dict[str, str], optional: Collection[str], layout: Layout
 ) -> Columns:
     """Return the wanted columns of a table, its parts and its unused titles; see `read_columns`."""
-    picked: dict[str, tuple[int, float, float]] = {}
+    columns_by_name: dict[str, tuple[int, float, float]] = {}
     problems: list[str] = []
     for name, unit in wanted.items():
         try:
-            found = _found(table, name, unit, layout, needed=name not in optional)
-            if found is not None:
-                picked[name] = found
+            match = _find_column(table, name, unit, layout, needed=name not in optional)
+            if match is not None:
+                columns_by_name[name] = match
         except InputError as error:
             problems += error.problems
     if problems:
         raise InputError(problems)
-    used = {column for column, *_ in picked.values()}
+    used_columns = {column for column, *_ in columns_by_name.values()}
     values: dict[str, Floats] = {}
     stamped, begins = False, None
-    for name, (column, scale, offset) in picked.items():
+    for name, (column, scale, offset) in columns_by_name.items():
         if name == "time" and is_stamp(table.cells(column)[0]):
             values[name], begins, dates = _stamps(table, column)
-            used |= dates
+            used_columns |= dates
             stamped = True
         else:
             values[name] = table.numbers(column, scale, offset)
     unused = [
-        title for n, title in enumerate(table.titles) if n not in used and any(table.cells(n)[:50])
+        title
+        for n, title in enumerate(table.titles)
+        if n not in used_columns and any(table.cells(n)[:50])
     ]
     return Columns(values, table.parts, unused, stamped, begins)
 
 
-def _found(
+def _find_column(
     table: Table, name: str, unit: str, layout: Layout, *, needed: bool
 ) -> tuple[int, float, float] | None:
     """Column number of a quantity, scale and offset to the wanted unit; None if it may be missing.
@@ -471,49 +493,53 @@ def _found(
         place = find_title(table.titles, title)
         if place is None:
             raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
-        some = [place]
+        candidates = [place]
     else:
-        some = [n for n, one in enumerate(table.names) if is_called(one, name)]
-        some.sort(key=lambda n: plain_title(table.names[n]) != name)
-    for n in some:
+        candidates = [
+            n for n, column_name in enumerate(table.names) if is_called(column_name, name)
+        ]
+        # Columns of exactly this name before those of a synonym.
+        candidates.sort(key=lambda n: plain_title(table.names[n]) != name)
+    for n in candidates:
         if name == "time" and table.rows and is_stamp(table.cells(n)[0]):
             return n, 1.0, 0.0
-    given = {n: layout.units.get(name) or table.units[n] for n in some}
-    best = next((n for n, own in given.items() if own == unit), None)
+    units = {n: layout.units.get(name) or table.units[n] for n in candidates}
+    # A column in the wanted unit is preferred to one that must be converted.
+    best = next((n for n, column_unit in units.items() if column_unit == unit), None)
     if best is not None:
         return best, 1.0, 0.0
-    for n, own in given.items():
-        if own:
+    for n, column_unit in units.items():
+        if column_unit:
             try:
-                return n, *conversion(plain_unit(own), unit)
+                return n, *conversion(plain_unit(column_unit), unit)
             except InputError as error:
                 raise InputError(error.lines(f'column "{table.titles[n]}"')) from None
     if not needed and not (name in layout.titles or name in layout.units):
         return None
-    if name in layout.titles or (some and name in layout.units):
-        raise InputError(f'column "{table.titles[some[0]]}" has no unit; give units.{name}')
-    shown = name if name in layout.units else f"{name}_{unit}"
-    raise InputError(f'no column "{shown}"{nearest(shown, table.titles)}')
+    if name in layout.titles or (candidates and name in layout.units):
+        raise InputError(f'column "{table.titles[candidates[0]]}" has no unit; give units.{name}')
+    expected_title = name if name in layout.units else f"{name}_{unit}"
+    raise InputError(f'no column "{expected_title}"{nearest(expected_title, table.titles)}')
 
 
 def _stamps(table: Table, column: int) -> tuple[Floats, np.datetime64 | None, set[int]]:
     """Return seconds of a column of stamps, their start, and the column of dates, if separate."""
     heads = {n: table.cells(n)[0] for n in range(len(table.titles)) if n != column}
     cells = table.cells(column)
-    others: list[int] = []
+    paired: list[int] = []
     if ":" not in cells[0]:  # a date: the time of day is in the next column
-        others = [n for n, head in heads.items() if ":" in head][:1]
-        pairs = [(cells, table.cells(n)) for n in others]
+        paired = [n for n, head in heads.items() if ":" in head][:1]
+        pairs = [(cells, table.cells(n)) for n in paired]
     elif " " not in cells[0]:
         days = [n for n, head in heads.items() if is_stamp(head) and ":" not in head]
-        others = [n for n in days if is_called(table.names[n], "time")][:1]
-        pairs = [(table.cells(n), cells) for n in others]
+        paired = [n for n in days if is_called(table.names[n], "time")][:1]
+        pairs = [(table.cells(n), cells) for n in paired]
     else:
         pairs = []
     for dates, times in pairs:
         cells = [f"{day} {time}" for day, time in zip(dates, times, strict=True)]
     try:
-        return *_seconds_and_start(cells), set(others)
+        return *_seconds_and_start(cells), set(paired)
     except InputError as error:
         raise InputError(error.lines(f'column "{table.titles[column]}"')) from None
 
@@ -535,11 +561,11 @@ def _seconds_and_start(stamps: list[str]) -> tuple[Floats, np.datetime64 | None]
     if all(re.match(r"^\d+:", cell) for cell in cells):
         return _clock(cells), None
     orders = (True, False) if _YEAR_LAST.match(cells[0]) else (False,)
-    some = [one for day_first in orders if (one := _parsed(cells, day_first)) is not None]
-    if not some:
+    results = [result for day_first in orders if (result := _parsed(cells, day_first)) is not None]
+    if not results:
         raise InputError(f'"{shortened(cells[0])}" or a stamp below it is not a date and time')
-    forward = [one for one in some if (np.diff(one[0]) >= 0.0).all()] or some
-    return min(forward, key=lambda one: float(np.ptp(one[0])))
+    forward = [result for result in results if (np.diff(result[0]) >= 0.0).all()] or results
+    return min(forward, key=lambda result: float(np.ptp(result[0])))
 
 
 def _clock(cells: list[str]) -> Floats:
@@ -553,6 +579,7 @@ def _clock(cells: list[str]) -> Floats:
         values = np.array([np.nan])
     if not np.isfinite(values).all():
         raise InputError("contains a cell that is not a time of day such as 23:59:58.5")
+    # A step back by more than half a day is midnight; a smaller one is an error of the clock.
     midnights = np.cumsum(np.concatenate([[0.0], np.diff(values) < -0.5 * DAY]))
     shifted = values + DAY * midnights
     return np.asarray(shifted - shifted[0], dtype=np.float64)
@@ -564,11 +591,11 @@ def _parsed(cells: list[str], day_first: bool) -> tuple[Floats, np.datetime64] |
         warnings.simplefilter("ignore")  # pandas warns about its guess, which is checked here
         for form in ("ISO8601", None, "mixed"):
             try:
-                when = pd.to_datetime(pd.Series(cells), format=form, dayfirst=day_first)
-                values = (when - when.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
+                stamps = pd.to_datetime(pd.Series(cells), format=form, dayfirst=day_first)
+                values = (stamps - stamps.iloc[0]).dt.total_seconds().to_numpy(dtype=float)
             except (ValueError, TypeError, OverflowError, AttributeError):
                 continue
             if np.isfinite(values).all():
-                start = when.iloc[0].tz_localize(None).to_datetime64()
+                start = stamps.iloc[0].tz_localize(None).to_datetime64()
                 return np.asarray(values, dtype=np.float64), start
     return None

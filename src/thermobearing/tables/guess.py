@@ -3,11 +3,13 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from thermobearing.border.errors import InputError, read_bytes
+from thermobearing.border.errors import InputError
+from thermobearing.border.opener import read_bytes
 from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.tables.columns import (
@@ -32,14 +34,19 @@ SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
 ALONG = 0.3  # correlation of a force with the displacement, or more
+FIRST = 5  # samples from which the beginning of a temperature is taken
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # scores: full title, a word in it, unit
 # Evidence for a column without a recognised title.
-DOUBTFUL = (
-    *("its even steps", "loops with the force", "loops with the displacement", "its unit"),
-    "a constant temperature",
-)
+EVEN_STEPS = "its even steps"
+FORCE_LOOPS = "loops with the force"
+DISPLACEMENT_LOOPS = "loops with the displacement"
+UNIT_ALONE = "its unit"
+STEADY_TEMPERATURE = "a constant temperature"
+DOUBTFUL = (EVEN_STEPS, FORCE_LOOPS, DISPLACEMENT_LOOPS, UNIT_ALONE, STEADY_TEMPERATURE)
 STEADY = 2.0  # largest change of a constant temperature during a test [K]
+KELVIN = (200.0, 330.0)  # numbers that are temperatures in kelvin, of tests and specimens
+FROST = -2.0  # a steady column without name and unit, below this, is taken for a temperature [degC]
 PLAUSIBLE = (-60.0, 50.0)  # ambient temperatures of tests [degC]
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
 Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the column
@@ -55,6 +62,8 @@ class ColumnGuess:
     why: str  # the evidence
     place: str = ""  # of a thermocouple, where its title states it
     assumed: str = ""  # the unit assumed where the file states none
+    begins: float | None = None  # of what may be a temperature [degC]
+    question: str = ""  # why the column may be the temperature of the chamber
 
 
 @dataclass(frozen=True)
@@ -88,20 +97,29 @@ def guessed_columns(
     layout, places = layout or Layout(), places or {}
     columns = [_examined(table, number, layout) for number in range(len(table.titles))]
     places_of_titles = {name: find_title(table.titles, t) for name, t in layout.titles.items()}
-    stated = {at: name for name, at in places_of_titles.items() if name in (*UNITS, ACROSS)}
-    taken: Taken = {c.number: (stated[c.number], "sidecar") for c in columns if c.number in stated}
+    stated_quantities = {
+        at: name for name, at in places_of_titles.items() if name in (*UNITS, ACROSS)
+    }
+    taken: Taken = {
+        c.number: (stated_quantities[c.number], "sidecar")
+        for c in columns
+        if c.number in stated_quantities
+    }
+    # Titles and units first: numbers decide only on columns that these leave open.
     for quantity in ("time", "ambient", "displacement", "force"):
-        best = None if quantity in stated.values() else _best(columns, quantity, taken)
+        if quantity in stated_quantities.values():
+            continue
+        best = _best_column(columns, quantity, taken)
         if best is not None and best.title not in places:
-            word = "a word in the title" if holds_word(best.name, quantity) else DOUBTFUL[3]
-            why = "title" if is_called(best.name, quantity) else word
-            taken[best.number] = (quantity, "time stamps" if best.stamped else why)
+            word = "a word in the title" if holds_word(best.name, quantity) else UNIT_ALONE
+            reason = "title" if is_called(best.name, quantity) else word
+            taken[best.number] = (quantity, "time stamps" if best.stamped else reason)
     _constant_ambient(columns, taken, places)
-    _by_numbers(columns, taken)
-    held = {quantity for quantity, _ in taken.values()}
-    missing = [name for name in needed if name not in held]
+    _guess_by_numbers(columns, taken)
+    recognised = {quantity for quantity, _ in taken.values()}
+    missing = [name for name in needed if name not in recognised]
     if missing:
-        other = [
+        wrong_units = [
             f'"{column.title}" has the name of a {name}, but "{column.unit}" cannot be converted '
             f"to {UNITS[name]}; give its unit in [units] of a sidecar"
             for name in missing
@@ -111,13 +129,38 @@ def guessed_columns(
             and (is_called(column.name, name) or holds_word(column.name, name))
             and not holds_word(column.name, "other")
         ]
-        shown = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
+        titles = ", ".join(f'"{column.title}"' for column in columns[:12] if not column.empty)
         raise InputError(
-            other
-            or f"no column was recognised as {' or '.join(missing)}; columns: {shown or 'none'}; "
+            wrong_units
+            or f"no column was recognised as {' or '.join(missing)}; columns: {titles or 'none'}; "
             "name them in [columns] of a sidecar"
         )
     return [_described(column, taken, layout, places) for column in columns]
+
+
+def _initial_temperature(column: _Column) -> tuple[float | None, str]:
+    """Return where a temperature begins [degC], and why it may be that of the chamber.
+
+    A column counts if its title or its unit is one of temperatures. One without either counts if it
+    is steady and below freezing, as no other column of a test is.
+    """
+    if column.values is None or column.empty or holds_word(column.name, "other"):
+        return None, ""
+    has_temperature_word = any(
+        map(partial(holds_word, column.name), ("temperature", "constant", "ambient"))
+    )
+    if column.unit and column.target != "degC":
+        return None, ""
+    scale, offset = conversion(plain_unit(column.unit), "degC") if column.unit else (1.0, 0.0)
+    values = scale * column.signal + offset
+    begin, steady = float(np.median(values[:FIRST])), bool(np.ptp(values) <= STEADY)
+    words = f"stays at {begin:.4g} degC" if steady else f"begins at {begin:.4g} degC"
+    if not (has_temperature_word or column.unit):
+        cold = steady and PLAUSIBLE[0] <= begin <= FROST
+        return (begin, f"stays at {begin:.4g}, without a unit") if cold else (None, "")
+    if KELVIN[0] <= begin <= KELVIN[1] and not column.unit:
+        return begin, f"begins at {begin:.4g}, which may be in kelvin (give its unit)"
+    return (begin, words) if PLAUSIBLE[0] <= begin <= PLAUSIBLE[1] else (None, "")
 
 
 def _constant_ambient(columns: list[_Column], taken: Taken, places: Mapping[str, str]) -> None:
@@ -127,20 +170,21 @@ def _constant_ambient(columns: list[_Column], taken: Taken, places: Mapping[str,
     """
     if any(quantity == "ambient" for quantity, _ in taken.values()):
         return
-    found = []
+    candidates = []
     for column in columns:
-        free = column.number not in taken and column.title not in places
-        named = holds_word(column.name, "constant") and not holds_word(column.name, "lead")
-        if not (free and named and column.values is not None) or _PLACE.search(column.name):
+        is_free = column.number not in taken and column.title not in places
+        words = [holds_word(column.name, word) for word in ("constant", "temperature")]
+        of_specimen = holds_word(column.name, "lead") or _PLACE.search(column.name)
+        if not (is_free and any(words) and column.values is not None) or of_specimen:
             continue
         if column.target not in (None, "degC") or (column.unit and column.target is None):
             continue
         scale, offset = conversion(plain_unit(column.unit), "degC") if column.unit else (1.0, 0.0)
         values = scale * column.signal + offset
         if np.ptp(values) <= STEADY and PLAUSIBLE[0] <= values.mean() <= PLAUSIBLE[1]:
-            found.append(column)
-    if len(found) == 1:
-        taken[found[0].number] = ("ambient", DOUBTFUL[4])
+            candidates.append(column)
+    if len(candidates) == 1:
+        taken[candidates[0].number] = ("ambient", STEADY_TEMPERATURE)
 
 
 def read_air_columns(path: str | Path) -> Columns:
@@ -165,41 +209,46 @@ def read_air_columns(path: str | Path) -> Columns:
 def _guessed_air(table: Table) -> dict[str, str]:
     """Titles of time and temperature by quantity, without those that no column looks like."""
     columns = [_examined(table, number, Layout()) for number in range(len(table.titles))]
-    found = {}
+    titles = {}
     if not any(is_called(c.name, "time") for c in columns):
-        time = _best(columns, "time", {})
-        found = {"time": time.title} if time is not None else {}
+        time = _best_column(columns, "time", {})
+        titles = {"time": time.title} if time is not None else {}
     if any(is_called(c.name, "temperature") for c in columns):
-        return found
-    warm = [c for c in columns if c.values is not None and c.target == "degC"]
-    some = [c for c in warm if holds_word(c.name, "ambient")] or warm
-    if len(some) > 1:
-        shown = ", ".join(f'"{c.title}"' for c in some[:5])
-        raise InputError(f"{shown} may each be the ambient temperature: rename one to temperature")
-    return found | ({"temperature": some[0].title} if some else {})
+        return titles
+    temperatures = [c for c in columns if c.values is not None and c.target == "degC"]
+    candidates = [c for c in temperatures if holds_word(c.name, "ambient")] or temperatures
+    if len(candidates) > 1:
+        names = ", ".join(f'"{c.title}"' for c in candidates[:5])
+        raise InputError(f"{names} may each be the ambient temperature: rename one to temperature")
+    return titles | ({"temperature": candidates[0].title} if candidates else {})
 
 
 def _examined(table: Table, number: int, layout: Layout) -> _Column:
     """Return a column with its numbers and its score for each quantity."""
     name, unit = table.names[number], table.units[number]
     cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
-    held = [cell for cell in cells if cell]
-    stamped = bool(held) and is_stamp(held[0])
+    filled = [cell for cell in cells if cell]
+    stamped = bool(filled) and is_stamp(filled[0])
     target = measured_in(unit) if unit else None
-    values = None if stamped or not held else _numbers(table, cells)
-    column = _Column(number, table.titles[number], name, unit, target, stamped, values, not held)
-    for quantity, wanted in UNITS.items():
-        called = bool(held) and is_called(name, quantity)  # by its title, whatever its cells hold
-        if values is None and not called and not (stamped and quantity == "time"):
+    values = None if stamped or not filled else _numbers(table, cells)
+    column = _Column(number, table.titles[number], name, unit, target, stamped, values, not filled)
+    for quantity, usual_unit in UNITS.items():
+        # A full name counts whatever the cells hold.
+        has_full_name = bool(filled) and is_called(name, quantity)
+        if values is None and not has_full_name and not (stamped and quantity == "time"):
             continue
-        score = CALLED * called or WORD * holds_word(name, quantity)
-        fits = target == wanted or (score > 0 and quantity in layout.units)
-        if unit and not fits and not stamped:
+        score = CALLED * has_full_name or WORD * holds_word(name, quantity)
+        unit_fits = target == usual_unit or (score > 0 and quantity in layout.units)
+        if unit and not unit_fits and not stamped:
             continue
-        if quantity == "ambient" and not (score and (fits or not unit)):
+        # A temperature whose title does not speak of the surroundings may be a thermocouple's.
+        if quantity == "ambient" and not (score and (unit_fits or not unit)):
             continue
-        other = holds_word(name, "other") or (quantity != "ambient" and holds_word(name, "ambient"))
-        score += UNIT * fits + stamped * CALLED - (WORD + UNIT) * other
+        # A word for another quantity outweighs a word for this one together with its unit.
+        other_quantity = holds_word(name, "other") or (
+            quantity != "ambient" and holds_word(name, "ambient")
+        )
+        score += UNIT * unit_fits + stamped * CALLED - (WORD + UNIT) * other_quantity
         if quantity == "displacement" and values is not None and np.ptp(values) == 0.0:
             score -= WORD
         column.scores[quantity] = score
@@ -209,69 +258,78 @@ def _examined(table: Table, number: int, layout: Layout) -> _Column:
 def _numbers(table: Table, cells: list[str]) -> Floats | None:
     """Return numbers of a column, interpolated where there is none; None if it holds words."""
     values = np.full(len(cells), np.nan)
-    wrong = 0
+    word_count = 0
     for k, cell in enumerate(cells):
         try:
             values[k] = float(table.sheet.plain(cell).replace("_", "x"))
         except ValueError:
-            wrong += bool(cell)
-    good = np.isfinite(values)
-    if wrong > 0.1 * len(cells) or not good.any() or np.abs(values[good]).max() > 1e12:
+            word_count += bool(cell)
+    finite = np.isfinite(values)
+    if word_count > 0.1 * len(cells) or not finite.any() or np.abs(values[finite]).max() > 1e12:
         return None
-    return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(good), values[good]))
+    return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(finite), values[finite]))
 
 
-def _best(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None:
+def _best_column(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None:
     """Return the column with the highest score; of equal ones that with the largest variation."""
-    some = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
+    candidates = [c for c in columns if c.number not in taken and c.scores.get(quantity, 0) > 0]
     if quantity == "time":
-        some = [c for c in some if c.stamped or is_called(c.name, quantity) or _runs(c.signal)]
+        candidates = [
+            c for c in candidates if c.stamped or is_called(c.name, quantity) or _is_clock(c.signal)
+        ]
 
     def _evidence(column: _Column) -> tuple[int, bool, bool, float]:
-        way = 0.0 if quantity == "time" else float(np.abs(np.diff(column.signal)).sum())
-        fits, plain = column.unit == UNITS[quantity], plain_title(column.name) == quantity
-        return column.scores[quantity], fits, plain, way
+        travel = 0.0 if quantity == "time" else float(np.abs(np.diff(column.signal)).sum())
+        unit_fits, name_fits = column.unit == UNITS[quantity], plain_title(column.name) == quantity
+        return column.scores[quantity], unit_fits, name_fits, travel
 
-    return max(some, key=_evidence, default=None)
+    return max(candidates, key=_evidence, default=None)
 
 
-def _runs(values: Floats) -> bool:
+def _is_clock(values: Floats) -> bool:
     """Return whether numbers increase like a clock, which may restart."""
     steps = np.diff(values)
     return len(steps) > 0 and float(np.median(steps)) > 0.0 and (steps > 0.0).mean() > 0.9
 
 
-def _by_numbers(columns: list[_Column], taken: Taken) -> None:
+def _guess_by_numbers(columns: list[_Column], taken: Taken) -> None:
     """Recognise columns without titles: an even clock, a pair of columns that forms loops."""
-    free = [c for c in columns if c.number not in taken and c.values is not None and not c.unit]
-    held = {quantity for quantity, _ in taken.values()}
-    if "time" not in held:
-        for column in free:
+    unnamed = [c for c in columns if c.number not in taken and c.values is not None and not c.unit]
+    recognised = {quantity for quantity, _ in taken.values()}
+    if "time" not in recognised:
+        for column in unnamed:
             steps = np.diff(column.signal)
-            usual = float(np.median(steps)) if len(steps) else 0.0
-            if usual > 0.0 and (np.abs(steps - usual) < EVEN * usual).mean() > 0.95:
-                taken[column.number] = ("time", DOUBTFUL[0])
+            median_step = float(np.median(steps)) if len(steps) else 0.0
+            if (
+                median_step > 0.0
+                and (np.abs(steps - median_step) < EVEN * median_step).mean() > 0.95
+            ):
+                taken[column.number] = ("time", EVEN_STEPS)
                 break
-    if {"displacement", "force"} <= held:
+    if {"displacement", "force"} <= recognised:
         return
-    free = [c for c in free if c.number not in taken and np.ptp(c.signal) > 0.0][:MOST_PAIRED]
-    known = {taken[c.number][0]: c for c in columns if c.number in taken}
+    unnamed = [c for c in unnamed if c.number not in taken and np.ptp(c.signal) > 0.0][:MOST_PAIRED]
+    recognised_columns = {taken[c.number][0]: c for c in columns if c.number in taken}
     pairs: list[tuple[float, _Column, _Column]] = []
-    for way in [known["displacement"]] if "displacement" in known else free:
-        for force in [known["force"]] if "force" in known else free:
-            along = _correlation(way.signal, force.signal)
-            work = np.sign(along) * float(np.trapezoid(force.signal, way.signal))
-            if way is not force and abs(along) > ALONG and work > 0.0:
-                pairs.append((abs(along), way, force))
+    for displacement in (
+        [recognised_columns["displacement"]] if "displacement" in recognised_columns else unnamed
+    ):
+        for force in [recognised_columns["force"]] if "force" in recognised_columns else unnamed:
+            correlation = _correlation(displacement.signal, force.signal)
+            # A bearing dissipates energy: with the sign of the correlation, its loop encloses
+            # positive work. That also tells force and displacement apart.
+            work = np.sign(correlation) * float(np.trapezoid(force.signal, displacement.signal))
+            if displacement is not force and abs(correlation) > ALONG and work > 0.0:
+                pairs.append((abs(correlation), displacement, force))
     if pairs:
-        _, way, force = max(pairs, key=lambda pair: pair[0])
-        taken.setdefault(way.number, ("displacement", DOUBTFUL[1]))
-        taken.setdefault(force.number, ("force", DOUBTFUL[2]))
+        _, displacement, force = max(pairs, key=lambda pair: pair[0])
+        taken.setdefault(displacement.number, ("displacement", FORCE_LOOPS))
+        taken.setdefault(force.number, ("force", DISPLACEMENT_LOOPS))
 
 
-def _correlation(way: Floats, force: Floats) -> float:
+def _correlation(displacement: Floats, force: Floats) -> float:
     """Return the correlation of two columns; 0 where one of them does not move."""
-    a, b = way - way.mean(), force - force.mean()
+    a, b = displacement - displacement.mean(), force - force.mean()
     size = float(np.sqrt(np.sum(a**2)) * np.sqrt(np.sum(b**2)))
     return float(np.sum(a * b)) / size if size > 1e-100 else 0.0
 
@@ -280,26 +338,33 @@ def _described(
     column: _Column, taken: Taken, layout: Layout, places: Mapping[str, str]
 ) -> ColumnGuess:
     unit = plain_unit(column.unit) if column.unit else ""
-    quantity, why = taken.get(column.number, ("", ""))
+    quantity, reason = taken.get(column.number, ("", ""))
     unit = layout.units.get(quantity or column.title, unit)
     place = assumed = ""
     if quantity:
         assumed = "" if unit or column.stamped else UNITS.get(quantity, "mm")
     elif column.title in places:
-        quantity, why, place = "temperature", "sidecar", places[column.title]
+        quantity, reason, place = "temperature", "sidecar", places[column.title]
         assumed = "" if unit else "degC"
     elif column.empty:
-        quantity, why = "nothing", "all cells are empty"
+        quantity, reason = "nothing", "all cells are empty"
     elif column.values is None:
-        quantity, why = "words", "no numbers"
+        quantity, reason = "words", "no numbers"
     elif column.target == "degC" or (not column.unit and holds_word(column.name, "temperature")):
-        found = _PLACE.search(column.name)
-        place = f"rubber {found[1]}" if found else "lead" if holds_word(column.name, "lead") else ""
-        quantity, why = "temperature", "unit" if column.target == "degC" else "a word in the title"
+        match = _PLACE.search(column.name)
+        if match:
+            place = f"rubber {match[1]}"
+        elif holds_word(column.name, "lead"):
+            place = "lead"
+        quantity, reason = (
+            "temperature",
+            "unit" if column.target == "degC" else "a word in the title",
+        )
         assumed = "" if column.unit else "degC"
     elif holds_word(column.title, "strain") and column.target in (None, "percent"):
         unit = "percent" if unit in ("%", "percent") else ""
-        quantity, why = "strain", "a word in the title"
+        quantity, reason = "strain", "a word in the title"
     else:
-        quantity, why = "numbers", "not needed for a test"
-    return ColumnGuess(column.title, unit, quantity, why, place, assumed)
+        quantity, reason = "numbers", "not needed for a test"
+    begin, question = (None, "") if quantity in UNITS else _initial_temperature(column)
+    return ColumnGuess(column.title, unit, quantity, reason, place, assumed, begin, question)

@@ -4,7 +4,6 @@ A test is one or several blocks with rests between them, in one file or several;
 all samples in one line of time, and lists what had to be assumed.
 """
 
-import re
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -14,8 +13,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field
 
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import read_data
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.core.records import Floats, Ints
@@ -28,6 +28,7 @@ from thermobearing.tables.columns import (
     make_table,
     usable_table,
 )
+from thermobearing.tables.conditioning import PLACE, Conditioning, Temperature
 from thermobearing.tables.guess import ACROSS, DOUBTFUL, ColumnGuess, guessed_columns
 from thermobearing.tables.text import SEPARATORS, Form, Sheet, read_sheets
 
@@ -35,10 +36,9 @@ ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has 
 SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed speed [s]
 PERCENT = 10.0  # largest number from which a column of strains without a unit is in percent
 COLUMNS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}  # of a sidecar
+MOST_PARTS = 0.1  # of the rows of a table, as parts whose clock restarts
 KEY = "Key"  # head of the keys in the sheet that describes a test
-PLACE = re.compile(r"^(?:rubber ([1-9]\d*)|lead)$")
 
-Temperature = Annotated[float, in_unit("degC"), Field(ge=-100, le=100)]
 Weight = Annotated[float, Field(ge=0, le=100)]
 Word = Annotated[str, Field(min_length=1)]
 Part = dict[str, Floats]
@@ -53,13 +53,14 @@ class BlockFile(Strict):
     rest_before: Annotated[float, in_unit("s"), Field(ge=0, le=1e8)] = 0.0
 
 
-class Sidecar(Strict):
+class Sidecar(Conditioning):
     """The settings of a test: keys of the TOML file (sidecar) of a table of samples.
 
     `columns` gives the file's own titles of time, displacement, force and ambient, `units` their
     units where the titles do not state them. `thermocouples` maps a title to "rubber 1" (the
     outer layer), "rubber 2", ... or "lead". `separator` (tab, blank, a semicolon, a comma),
-    `decimal`, `encoding` and `sheet` are detected where they are not given.
+    `decimal`, `encoding` and `sheet` are detected where they are not given. The keys of
+    `Conditioning` state how long the specimen was in its chamber.
     """
 
     file: Word | None = None
@@ -93,19 +94,21 @@ class Sidecar(Strict):
     detrend: Literal["", "force", "displacement", "both"] = ""
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
         faults = [
-            f"give either {one} or {other}"
-            for one, other in (("file", "blocks"), ("speed", "sampling"))
-            if one in given and other in given
-        ]
+            f"give either {first} or {second}"
+            for first, second in (("file", "blocks"), ("speed", "sampling"))
+            if first in values and second in values
+        ] + super()._conflicts(values)
         # May have any type here; it is validated later.
-        tables = {key: value for key, value in given.items() if isinstance(value, dict)}
+        tables = {key: value for key, value in values.items() if isinstance(value, dict)}
         places = tables.get("thermocouples", {})
-        for key, known in (("columns", {*COLUMNS}), ("units", {*COLUMNS, *places})):
-            strange = sorted(set(tables.get(key, {})) - known)
-            if strange:
-                faults.append(f"{key}: unknown {strange[0]!r}; known: {', '.join(sorted(known))}")
+        for key, accepted in (("columns", {*COLUMNS}), ("units", {*COLUMNS, *places})):
+            unknown = sorted(set(tables.get(key, {})) - accepted)
+            if unknown:
+                faults.append(
+                    f"{key}: unknown {unknown[0]!r}; known: {', '.join(sorted(accepted))}"
+                )
         faults += [
             f'thermocouples.{title} = {place!r}: must be "rubber 1", ... or "lead"'
             for title, place in places.items()
@@ -113,9 +116,9 @@ class Sidecar(Strict):
         ]
         separators = [*SEPARATORS, *SEPARATORS.values()]
         for key, marks in (("separator", separators), ("decimal", [".", ","])):
-            if key in given and given[key] not in marks:
-                shown = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
-                faults.append(f"{key} = {given[key]!r}: must be one of {shown}")
+            if key in values and values[key] not in marks:
+                quoted = ", ".join(f'"{mark}"' for mark in marks if mark.strip())
+                faults.append(f"{key} = {values[key]!r}: must be one of {quoted}")
         return faults
 
 
@@ -143,8 +146,8 @@ def description() -> Description:
 
 def _described_keys(sheets: list[Sheet]) -> dict[str, Any]:
     """Return the keys of a sidecar in the sheet of a workbook that describes the test."""
-    known = {row.key: row for row in description().rows}
-    given: dict[str, Any] = {}
+    rows = {row.key: row for row in description().rows}
+    keys: dict[str, Any] = {}
     for sheet in sheets:
         if sheet.name != description().sheet:
             continue
@@ -153,15 +156,15 @@ def _described_keys(sheets: list[Sheet]) -> dict[str, Any]:
         for key, value in cells[heads[0] + 1 :] if heads else []:
             if not value:
                 continue
-            row = known.get(key)
+            row = rows.get(key)
             if row is None:
-                raise InputError(f'sheet "{sheet.name}": no key "{key}"{nearest(key, known)}')
+                raise InputError(f'sheet "{sheet.name}": no key "{key}"{nearest(key, rows)}')
             if row.choices and value.lower() not in row.choices:
                 allowed = " or ".join(row.choices)
                 raise InputError(f'sheet "{sheet.name}": {key} = "{value}": must be {allowed}')
             value = value.removesuffix("T00:00:00")  # of a cell that holds a day
-            given[key] = value.lower() == "yes" if row.choices else f"{value} {row.unit}".strip()
-    return given
+            keys[key] = value.lower() == "yes" if row.choices else f"{value} {row.unit}".strip()
+    return keys
 
 
 class Recognised(NamedTuple):
@@ -222,26 +225,28 @@ def read_laboratory(
     ([0.0, 5.0, 0.0], [0.0, 9.0, -1.0])
     """
     path = Path(path)
-    given: dict[str, Any] = {}
+    keys: dict[str, Any] = {}
     name, sidecar_file = str(path.absolute()), path.parent / f"{path.stem}.toml"
     if path.suffix.lower() == ".toml":
-        given, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
+        keys, name = split_sources(read_toml(path))[0], path.with_suffix(".csv").name
     elif is_file(sidecar_file):
-        found = read_toml(sidecar_file)
-        geometry = found.get("geometry")  # of a file that describes the bearing, not the test
+        table = read_toml(sidecar_file)
+        geometry = table.get("geometry")  # of a file that describes the bearing, not the test
         if not (isinstance(geometry, dict) and "plan" in geometry):
-            given, path, name = split_sources(found)[0], sidecar_file, path.name
-    given = _workbook_keys(path.parent / name) | given
-    sidecar = validated(Sidecar, given, str(path))
-    readings = replace(_Reader(sidecar, path, optional, across).read(name), given=given)
-    way, force = readings.values["displacement"], readings.values.get("force")
-    if "force" in optional or force is None or "flip_force" in given:
+            keys, path, name = split_sources(table)[0], sidecar_file, path.name
+    # Keys of the sidecar replace those of the workbook's own sheet.
+    keys = _workbook_keys(path.parent / name) | keys
+    sidecar = validated(Sidecar, keys, str(path))
+    readings = replace(_Reader(sidecar, path, optional, across).read(name), given=keys)
+    displacement, force = readings.values["displacement"], readings.values.get("force")
+    if "force" in optional or force is None or "flip_force" in keys:
         return readings
-    if way @ (force - force.mean()) >= 0.0:
+    # A bearing resists its displacement: the force has its sign, whatever offset was recorded.
+    if displacement @ (force - force.mean()) >= 0.0:
         return readings
     note = (
-        "the recorded force has the opposite sign of the displacement and was reversed; "
-        "set flip_force in the sidecar"
+        "the force had the opposite sign of the displacement and was reversed; confirm it with "
+        "flip_force = true in the sidecar"
     )
     flipped = readings.sidecar.model_copy(update={"flip_force": True})
     return replace(readings, sidecar=flipped, assumptions=[*readings.assumptions, note])
@@ -279,25 +284,27 @@ class _Reader:
         for block in blocks:
             file = self.path.parent / block.file
             try:
-                some, found = self._block(block, file)
+                block_parts, block_table = self._block(block, file)
             except InputError as error:
                 raise error.located(file) from None
-            parts += some
-            joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(some) - 1)
-            recognised.append(found)
-        clock_restarts = _one_line_of_time(parts, joins)
+            parts += block_parts
+            joins += [(file, block.rest_before)] + [(file, 0.0)] * (len(block_parts) - 1)
+            recognised.append(block_table)
+        clock_restarts = _join_clocks(parts, joins)
         if clock_restarts:
             self.assumptions.append(
-                "the clock of the file restarts in each block: no pause assumed between them; "
-                "give rest_before in blocks of the sidecar"
+                "the clock of the file restarts in each block; no pause between them is assumed. "
+                "State rest_before in blocks of the sidecar"
             )
-        held = [name for name in parts[0] if all(name in part for part in parts)]
+        common_names = [name for name in parts[0] if all(name in part for part in parts)]
         counts = [len(part["time"]) for part in parts]
-        places = {c.title: c.place for c in recognised[0].columns if c.place and c.title in held}
+        places = {
+            c.title: c.place for c in recognised[0].columns if c.place and c.title in common_names
+        }
         return Readings(
             sidecar=self.sidecar.model_copy(update={"thermocouples": places}),
             file=self.path,
-            values={name: np.concatenate([part[name] for part in parts]) for name in held},
+            values={name: np.concatenate([part[name] for part in parts]) for name in common_names},
             block=np.repeat(np.arange(len(parts), dtype=np.int64), counts),
             recognised=recognised[0],
             assumptions=list(dict.fromkeys(self.assumptions)),
@@ -314,21 +321,28 @@ class _Reader:
         titles = {**s.columns, **self.across, **{title: title for title in s.thermocouples}}
         layout = Layout(s.lines_before, s.lines_after, titles, s.units, form)
         sheets = read_sheets(file, form)
-        sheets = [one for one in sheets if one.name != description().sheet] or sheets
+        sheets = [
+            listed_sheet for listed_sheet in sheets if listed_sheet.name != description().sheet
+        ] or sheets
         recognised, tables = self._recognised(file, sheets, layout)
-        layout, wanted = self._completed(tables[0], layout, recognised.columns)
+        layout, units_by_name = self._completed(tables[0], layout, recognised.columns)
         parts: list[Part] = []
         for table in tables:
-            found = list_columns(table, wanted, self.optional, layout)
-            self.unused += found.unused
-            parts += self._parts(found)
-        left = [one.name for one in sheets if one.rows and one.name not in recognised.same_titles]
-        if left and form.sheet is None:
-            self.assumptions.append(f"sheets that were not read: {_quoted(left)}")
+            columns = list_columns(table, units_by_name, self.optional, layout)
+            self.unused += columns.unused
+            parts += self._parts(columns)
+        unread = [
+            listed_sheet.name
+            for listed_sheet in sheets
+            if listed_sheet.rows and listed_sheet.name not in recognised.same_titles
+        ]
+        if unread and form.sheet is None:
+            self.assumptions.append(f"sheets that were not read: {_quoted(unread)}")
         if len(tables) > 1:
             self.assumptions.append(
-                f"the sheets {_quoted(recognised.same_titles)} are read in sequence, without a "
-                "pause between them; give sheet, or blocks with sheet and rest_before"
+                f"the sheets {_quoted(recognised.same_titles)} were joined, without a pause "
+                "between them. State sheet to read one of them, or rest_before in blocks of the "
+                "sidecar"
             )
         if block.part is not None:
             if block.part > len(parts):
@@ -350,17 +364,22 @@ class _Reader:
                         raise InputError(f'no column "{title}"{nearest(title, table.titles)}')
                 columns = guessed_columns(table, layout, self.sidecar.thermocouples, needed)
             except InputError as error:
-                named = f'sheet "{sheet.name}" ' if sheet.name else ""
-                problems += [f"{named}{text}" for text in error.problems]
+                sheet_name = f'sheet "{sheet.name}" ' if sheet.name else ""
+                problems += [f"{sheet_name}{text}" for text in error.problems]
                 continue
-            found = {
-                one.name: other
-                for one in sheets
-                if (other := table if one is sheet else make_table(one, layout)) is not None
-                and other.titles == table.titles
-                and len(other.rows) > 1
+            same_tables = {
+                candidate.name: candidate_table
+                for candidate in sheets
+                if (
+                    candidate_table := table
+                    if candidate is sheet
+                    else make_table(candidate, layout)
+                )
+                is not None
+                and candidate_table.titles == table.titles
+                and len(candidate_table.rows) > 1
             }
-            return Recognised(file, sheet, list(found), columns), list(found.values())
+            return Recognised(file, sheet, list(same_tables), columns), list(same_tables.values())
         raise InputError(problems[:5] or ["is empty"])
 
     def _completed(
@@ -368,11 +387,11 @@ class _Reader:
     ) -> tuple[Layout, dict[str, str]]:
         """Return the layout with what was guessed, and the wanted units; a motion has no force."""
         titles, units = dict(layout.titles), dict(layout.units)
-        wanted = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
+        units_by_name = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
         if "force" in self.optional:
-            wanted = {name: wanted[name] for name in ("time", "displacement")}
-            wanted |= dict.fromkeys(self.across, COLUMNS["displacement"])
-            columns = [column for column in columns if column.holds in wanted]
+            units_by_name = {name: units_by_name[name] for name in ("time", "displacement")}
+            units_by_name |= dict.fromkeys(self.across, COLUMNS["displacement"])
+            columns = [column for column in columns if column.holds in units_by_name]
         for column in columns:
             name = column.title if column.place else column.holds
             if name in titles or not (column.place or name in (*COLUMNS, "strain")):
@@ -384,7 +403,7 @@ class _Reader:
                 except InputError as error:
                     self.assumptions.append(f"not used: {error.problems[0]}")
                     continue
-                wanted[name] = "degC" if column.place else "percent"
+                units_by_name[name] = "degC" if column.place else "percent"
                 if name == "strain" and not column.unit:
                     assumed = "percent" if largest >= PERCENT else "dimensionless"
             titles[name] = column.title
@@ -392,30 +411,36 @@ class _Reader:
                 units[name] = assumed
             if column.assumed:
                 self.assumptions.append(
-                    f'column "{column.title}" has no unit: {assumed} assumed; give units.{name} in '
-                    "the sidecar"
+                    f'column "{column.title}" has no unit; {assumed} is assumed. State '
+                    f"units.{name} in the sidecar"
                 )
             if column.why in DOUBTFUL:
                 self.assumptions.append(
-                    f'column "{column.title}" is assumed to be the {name} (reason: {column.why}); '
-                    "set columns in the sidecar"
+                    f'column "{column.title}" is used as the {name} ({column.why}); confirm it in '
+                    "columns of the sidecar"
                 )
-        return layout._replace(titles=titles, units=units), wanted
+        return layout._replace(titles=titles, units=units), units_by_name
 
-    def _parts(self, found: Columns) -> list[Part]:
+    def _parts(self, columns: Columns) -> list[Part]:
         """Return the parts of one table, each with a clock."""
-        data = dict(found.values)
+        data = dict(columns.values)
         if "time" not in data:
             data["time"] = self._clock(data.get("displacement", data.get("force", np.zeros(0))))
-        elif found.stamped:
+        elif columns.stamped:
             data["time"] = self._spread(data["time"])
         # Parts begin where the file has a break, and where its clock goes back to its start.
-        time, starts = data["time"], set(found.parts)
+        time, starts = data["time"], set(columns.parts)
         begin = float(time[0])
         for k in (np.flatnonzero(np.diff(time) < 0.0) + 1).tolist():
             if time[k] <= begin:
                 starts.add(k)
                 begin = float(time[k])
+        if len(starts) > len(columns.parts) + 1 and len(starts) > MOST_PARTS * len(time):
+            raise InputError(
+                f"time goes back to its start in {len(starts) - 1} of {len(time)} rows: are rows "
+                "out of order, or is time another column? Sort the rows, or name the column of "
+                "time in columns of the sidecar"
+            )
         bounds = [*sorted(starts), len(time)]
         return [{name: values[a:b] for name, values in data.items()} for a, b in pairwise(bounds)]
 
@@ -425,14 +450,15 @@ class _Reader:
         if len(ticks) < 2 or len(ticks) == len(time) - 1 or (np.diff(time) < 0.0).any():
             return time
         counts, steps = np.diff(ticks), np.diff(time[ticks])
+        # Before the first and after the last change of the stamp, at the rate of the other samples.
         rate = float(np.median(counts / steps))
         number = np.arange(len(time), dtype=np.float64)
         spread = np.interp(number, ticks, time[ticks])
         spread = np.where(number < ticks[0], time[ticks[0]] - (ticks[0] - number) / rate, spread)
         spread = np.where(number > ticks[-1], time[ticks[-1]] + (number - ticks[-1]) / rate, spread)
         self.assumptions.append(
-            f"time stamps are {np.median(steps):.3g} s apart, with {np.median(counts):.3g} samples "
-            "each: samples are spread evenly between them"
+            f"each time stamp, {np.median(steps):.3g} s apart, has {np.median(counts):.3g} "
+            "samples; they are spread evenly between the stamps"
         )
         return np.asarray(spread - spread[0])
 
@@ -440,32 +466,32 @@ class _Reader:
         """Return the time of samples that have none, from a sampling rate or a speed [s]."""
         count, sidecar = len(displacement), self.sidecar
         if sidecar.sampling is not None:
-            self.assumptions.append(
-                f"no time column: sampled at {sidecar.sampling:g} Hz, as the sidecar states"
-            )
             return np.arange(count) / sidecar.sampling
-        speed, origin = ASSUMED_SPEED, "assumed; give speed or sampling"
+        speed, origin = ASSUMED_SPEED, "is assumed. State speed or sampling in the sidecar"
         if sidecar.speed is not None:
-            speed, origin = sidecar.speed, "as the sidecar states"
-        self.assumptions.append(f"no time column: constant speed of {speed:g} mm/s, {origin}")
-        way = np.abs(np.diff(displacement)) / speed
-        return np.concatenate([[0.0], np.cumsum(np.maximum(way, SHORTEST_STEP))])
+            speed, origin = sidecar.speed, "of the sidecar is used"
+        message = f"there is no column of time; a constant speed of {speed:g} mm/s {origin}"
+        self.assumptions.append(message)
+        steps = np.abs(np.diff(displacement)) / speed
+        return np.concatenate([[0.0], np.cumsum(np.maximum(steps, SHORTEST_STEP))])
 
 
 def _quoted(names: list[str]) -> str:
     return ", ".join(f'"{name}"' for name in names)
 
 
-def _one_line_of_time(parts: list[Part], joins: list[tuple[Path, float]]) -> bool:
+def _join_clocks(parts: list[Part], joins: list[tuple[Path, float]]) -> bool:
     """Shift the clocks of parts to follow each other; return whether a pause had to be assumed."""
     end, own_end, shift, assumed = 0.0, 0.0, 0.0, False
-    for number, (part, (file, rest)) in enumerate(zip(parts, joins, strict=True)):
+    for number, (part, (file, pause)) in enumerate(zip(parts, joins, strict=True)):
         time = part["time"]
-        same = number > 0 and file == joins[number - 1][0] and rest == 0.0
-        if number and not (same and time[0] > own_end):
+        # A clock that goes on in the same file is right. Another part begins after its pause, or
+        # one sample after the part before, so that time increases.
+        same_file = number > 0 and file == joins[number - 1][0] and pause == 0.0
+        if number and not (same_file and time[0] > own_end):
             step = float(np.median(np.diff(time))) if len(time) > 1 else SHORTEST_STEP
-            shift = end + max(rest, step) - float(time[0])
-            assumed = assumed or same
+            shift = end + max(pause, step) - float(time[0])
+            assumed = assumed or same_file
         own_end = float(time[-1])
         part["time"] = time + shift
         end = float(part["time"][-1])

@@ -11,9 +11,11 @@ import re
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import IO, Any, Literal, NamedTuple
 
-from thermobearing.border.errors import InputError, nearest, read_bytes, shortened
+from thermobearing.border.errors import InputError, nearest, shortened
+from thermobearing.border.opener import read_bytes
+from thermobearing.border.units import FORTRAN_NUMBER
 
 Row = tuple[int, list[str]]  # number of the line in its file, cells
 
@@ -21,21 +23,32 @@ LARGEST_FILE = 100_000_000  # bytes; in memory, cell by cell, it is ten times th
 LARGEST_SHEET = 20_000_000  # cells
 MOST_ROWS = 2**20  # of a sheet, as in Excel
 MOST_COLUMNS = 1000
+MOST_CELLS = 8_000_000  # of a sheet of a workbook, which are parsed in half a minute
+MOST_ELEMENTS = 500_000  # of XML in styles and lists of a workbook
+UNPACKED = 1 << 20  # bytes of a workbook that are unpacked at a time
+LONGEST_TAG = 60  # bytes of the begin of an element
+# Elements that are counted before a workbook is parsed, by a part of the name of the file in it.
+ELEMENTS: dict[str, list[tuple[re.Pattern[bytes], int, str]]] = {
+    "worksheets/": [
+        (re.compile(rb"<(?:[\w.-]{1,50}:)?row\b"), MOST_ROWS, "rows"),
+        (re.compile(rb"<(?:[\w.-]{1,50}:)?c\b"), MOST_CELLS, "cells"),
+    ],
+    "sharedStrings": [(re.compile(rb"<(?:[\w.-]{1,50}:)?si\b"), 2 * MOST_ROWS, "texts")],
+    "": [(re.compile(rb"<"), MOST_ELEMENTS, "elements")],
+}
 LONGEST_NUMBER = 60  # characters of a cell that may be a number or a time stamp
 # Encodings of Windows in Japan and Western Europe. More would be worse: a header of a few words
-# is little evidence, and with all encodings "初期" would be detected as Korean.
+# is little evidence. The rule of `_is_japanese` decides where a text is valid in both.
 LEGACY = ("cp932", "cp1252")
-LEGACY_BYTES = 20_000  # of lines that are not plain ASCII: enough to recognise an encoding
 COMMENTS = ("#", "%", "!", "//", "*")
 SEPARATORS = {"\t": "tab", ";": ";", ",": ",", " ": "blank"}
 SEPARATOR_ROWS = 300  # rows that decide on the separator
 NOT_FINITE = ("nan", "inf", "infinity", "nan.0", "1.#qnan")
 _WORKBOOK, _OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
-# One half-width katakana among plain letters: "°" or "²" of cp1252 read as cp932.
-_LONE_KATAKANA = re.compile(r"(?<![^\x00-\x7f])[｡-ﾟ](?![^\x00-\x7f])")
-_EXPONENT = r"(?:[eEdD][-+]?\d+)?"
-_POINT = re.compile(rf"[-+]?(?:\d+(?:\.\d*)?|\.\d+){_EXPONENT}")
-_COMMA = re.compile(rf"[-+]?(?:\d+,\d+|,\d+){_EXPONENT}")
+_POINT = re.compile(FORTRAN_NUMBER)
+_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eEdD][-+]?\d+)?")
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]+")
+_QUOTES, _ACCENTED = "‘’“”–".encode("cp1252"), 0xA0  # bytes of cp1252; the first with "°" and "ä"
 _BOTH = re.compile(r"[-+]?\d{1,3}(?:([.,])\d{3})+([.,])\d+")
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+")
 _STAMP = re.compile(r"(?:\d+[-/.:]\d+[-/.:]\d|\d+:\d)[^;,\t]*(?:,\d+)?")
@@ -90,8 +103,8 @@ def is_numeric(cell: str) -> bool:
     cell = cell.strip()
     if len(cell) > LONGEST_NUMBER:
         return False
-    forms = (_POINT, _COMMA, _BOTH, _THOUSANDS)
-    return any(f.fullmatch(cell) for f in forms) or is_not_finite(cell) or is_stamp(cell)
+    patterns = (_POINT, _COMMA, _BOTH, _THOUSANDS)
+    return any(f.fullmatch(cell) for f in patterns) or is_not_finite(cell) or is_stamp(cell)
 
 
 def read_text(path: Path, encoding: str | None = None) -> str:
@@ -137,21 +150,38 @@ def _decoded(raw: bytes, where: str, encoding: str | None) -> str:
 
 def _legacy(raw: bytes, where: str) -> str:
     """Return the older encoding of the lines that hold more than ASCII."""
-    from charset_normalizer import from_bytes
-
-    lines = b"\n".join(line for line in raw.splitlines() if not line.isascii())[:LEGACY_BYTES]
-    best = from_bytes(lines, cp_isolation=list(LEGACY)).best()
-    if best is None:
+    lines = b"\n".join(line for line in raw.splitlines() if not line.isascii())
+    readable = {}
+    for encoding in LEGACY:
+        try:
+            text = lines.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "".join(text.split()).isprintable():
+            readable[encoding] = text
+    if not readable:
         raise InputError(
             "is neither UTF-8 nor cp932 nor cp1252 text; save it as UTF-8, or give encoding in "
             "its sidecar",
             where,
         )
-    if best.encoding == "cp932":
-        strange = re.findall(r"[^\x00-\x7f]", str(best))
-        if len(_LONE_KATAKANA.findall(str(best))) == len(strange):
-            return "cp1252"
-    return str(best.encoding)
+    if len(readable) == len(LEGACY) and not _is_japanese(readable["cp932"]):
+        return "cp1252"
+    return next(iter(readable))
+
+
+def _is_japanese(text: str) -> bool:
+    """Whether text read as cp932 is Japanese, not accented letters and units of cp1252.
+
+    These are single characters among plain letters, and most of their bytes are above those that
+    begin a Japanese character.
+    """
+    japanese, total = 0, 0
+    for run in _NOT_ASCII.findall(text):
+        first = run.encode("cp932")[0]
+        japanese += len(run) if len(run) > 1 or (first < _ACCENTED and first not in _QUOTES) else 0
+        total += len(run)
+    return 2 * japanese > total
 
 
 def sheet_of_text(text: str, form: Form | None = None, *, quotes: bool = True) -> Sheet:
@@ -187,18 +217,20 @@ def _is_comment(line: str) -> bool:
 def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = True) -> Iterator[Row]:
     """Yield rows with a cell that is not blank; comments are left out."""
     blank = separator == " "
-    kept = ("\n" if _is_comment(line) else line.strip() if blank else line for line in lines)
+    # A comment becomes an empty line, so that the numbers of the lines stay those of the file.
+    stripped = (line.strip() if blank else line for line in lines)
+    uncommented = ("\n" if _is_comment(line) else line for line in stripped)
     quoting: Literal[0, 3] = csv.QUOTE_MINIMAL if quotes else csv.QUOTE_NONE
     reader = csv.reader(
-        kept, delimiter=separator, skipinitialspace=blank, strict=strict, quoting=quoting
+        uncommented, delimiter=separator, skipinitialspace=blank, strict=strict, quoting=quoting
     )
-    held = 0
+    cell_count = 0
     try:
         for row in reader:
-            held += len(row)
+            cell_count += len(row)
             if len(row) > MOST_COLUMNS:
                 raise csv.Error(f"more than {MOST_COLUMNS} columns")
-            if held > LARGEST_SHEET:
+            if cell_count > LARGEST_SHEET:
                 raise csv.Error(f"more than {LARGEST_SHEET:g} cells")
             if any(map(str.strip, row)):
                 yield reader.line_num, row
@@ -208,48 +240,51 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
 
 def _separator(lines: list[str]) -> str:
     """Return the separator by which most of what is in the cells are numbers."""
-    some = [line for line in lines if line.strip() and not _is_comment(line)][:SEPARATOR_ROWS]
-    best, found = (0, 0.0, 0), ","
+    sample = [line for line in lines if line.strip() and not _is_comment(line)][:SEPARATOR_ROWS]
+    best_score, best_separator = (0, 0.0, 0), ","
     for separator in SEPARATORS:
         try:
-            rows = [row for _, row in _split(some, separator, strict=False)]
+            rows = [row for _, row in _split(sample, separator, strict=False)]
         except csv.Error:  # an unterminated cell: an error when the complete file is read
             continue
         score = _score(rows, words=separator != " ")
-        if score > best:
-            best, found = score, separator
-    return found
+        if score > best_score:
+            best_score, best_separator = score, separator
+    return best_separator
 
 
 def _score(rows: list[list[str]], words: bool) -> tuple[int, float, int]:
     """Rows of numbers only, share of numbers in all cells, cells; blanks stand in words too."""
-    full, numbers, cells, parted = 0, 0, 0, 0
+    numeric_rows, numbers, cells, split_cells = 0, 0, 0, 0
     for row in rows:
-        held = [is_numeric(cell) for cell in row if cell.strip()]
-        cells += len(held)
+        numeric = [is_numeric(cell) for cell in row if cell.strip()]
+        cells += len(numeric)
         if len(row) > 1:
-            full += all(held)
-            numbers += sum(held)
-            parted += len(held)
-    if not full and not words:
+            numeric_rows += all(numeric)
+            numbers += sum(numeric)
+            split_cells += len(numeric)
+    if not numeric_rows and not words:
         return 0, 0.0, 0
-    return full, numbers / max(cells, 1), parted if words else 0
+    return numeric_rows, numbers / max(cells, 1), split_cells if words else 0
 
 
 def _decimal(cells: list[str]) -> str:
     """Return the decimal mark; InputError for "1,234" alone, which may be a thousand or one."""
     commas, unclear = 0, ""
     for cell in (cell.strip() for cell in cells if "," in cell):
-        both = _BOTH.fullmatch(cell)
-        if both and both[1] != both[2]:
-            return both[2]
+        match = _BOTH.fullmatch(cell)
+        # "1.234,5": the mark after that of the thousands is the decimal one.
+        if match and match[1] != match[2]:
+            return match[2]
         if _THOUSANDS.fullmatch(cell):
             unclear = unclear or cell
         elif _COMMA.fullmatch(cell):
             commas += 1
     if not (commas or unclear):
         return "."
-    points = any(_POINT.fullmatch(one.strip()) for one in cells if "." in one and "," not in one)
+    points = any(
+        _POINT.fullmatch(text.strip()) for text in cells if "." in text and "," not in text
+    )
     if commas and points:
         raise InputError(
             'has numbers with a decimal point and others with a decimal comma; give decimal = "." '
@@ -273,10 +308,7 @@ def _workbook(raw: bytes, form: Form) -> list[Sheet]:
             "save the sheet as CSV"
         ) from None
     try:
-        with zipfile.ZipFile(io.BytesIO(raw)) as packed:
-            size = sum(item.file_size for item in packed.infolist())
-        if size > 5 * LARGEST_FILE:
-            raise InputError(f"unpacks to {size / 1e6:.0f} MB, more than can be read")
+        _refuse_large_workbook(raw)
         book = openpyxl.load_workbook(io.BytesIO(raw), read_only=True, data_only=True)
         names = [sheet.title for sheet in book.worksheets]
         if form.sheet is not None and form.sheet not in names:
@@ -285,28 +317,60 @@ def _workbook(raw: bytes, form: Form) -> list[Sheet]:
     except InputError:
         raise
     except Exception as error:  # openpyxl raises many types for damaged files
-        about = shortened(str(error) or type(error).__name__)
-        raise InputError(f"is not an .xlsx workbook that can be read: {about}") from None
+        error_text = shortened(str(error) or type(error).__name__)
+        raise InputError(f"is not an .xlsx workbook that can be read: {error_text}") from None
+
+
+def _refuse_large_workbook(raw: bytes) -> None:
+    """Reject a workbook that openpyxl would parse for minutes: its text is unpacked, and counted.
+
+    A small archive can unpack to more than the memory holds, and to millions of empty elements.
+    """
+    with zipfile.ZipFile(io.BytesIO(raw)) as packed:
+        size = sum(item.file_size for item in packed.infolist())
+        if size > 5 * LARGEST_FILE:
+            raise InputError(f"unpacks to {size / 1e6:.0f} MB, more than can be read")
+        for item in packed.infolist():
+            if item.filename.endswith((".xml", ".rels")):
+                patterns = next(ELEMENTS[part] for part in ELEMENTS if part in item.filename)
+                with packed.open(item) as content:
+                    _refuse_many_elements(content, item.filename, patterns)
+
+
+def _refuse_many_elements(
+    content: IO[bytes], name: str, patterns: list[tuple[re.Pattern[bytes], int, str]]
+) -> None:
+    """Reject XML that has more elements of a kind than it may."""
+    counts, rest = [0] * len(patterns), b""
+    while block := content.read(UNPACKED):
+        # An element that a block cuts is counted with the next block.
+        text = rest + block
+        cut = text.rfind(b"<", len(text) - LONGEST_TAG) if len(block) == UNPACKED else -1
+        text, rest = (text[:cut], text[cut:]) if cut > 0 else (text, b"")
+        for place, (pattern, most, pattern_name) in enumerate(patterns):
+            counts[place] += sum(1 for _ in pattern.finditer(text))
+            if counts[place] > most:
+                raise InputError(f"{name} has more than {most} {pattern_name}")
 
 
 def _sheet(sheet: Any) -> Sheet:
     sheet.reset_dimensions()  # the size that a file states may be wrong
     rows: list[Row] = []
-    held, named = 0, f'sheet "{sheet.title}" has more than'
+    cell_count, prefix = 0, f'sheet "{sheet.title}" has more than'
     for number, values in enumerate(sheet.iter_rows(values_only=True), 1):
-        held += len(values)
+        cell_count += len(values)
         if number > MOST_ROWS:
-            raise InputError(f"{named} {MOST_ROWS} rows")
-        if held > LARGEST_SHEET:
-            raise InputError(f"{named} {LARGEST_SHEET:g} cells")
+            raise InputError(f"{prefix} {MOST_ROWS} rows")
+        if cell_count > LARGEST_SHEET:
+            raise InputError(f"{prefix} {LARGEST_SHEET:g} cells")
         if len(values) > MOST_COLUMNS and any(values[MOST_COLUMNS:]):
-            raise InputError(f"{named} {MOST_COLUMNS} columns")
+            raise InputError(f"{prefix} {MOST_COLUMNS} columns")
         cells = [_cell(value) for value in values[:MOST_COLUMNS]]
         if any(cells):
             rows.append((number, cells))
     comments = [(n, " ".join(cells).strip("# ")) for n, cells in rows if _is_comment(cells[0])]
-    kept = [(n, cells) for n, cells in rows if not _is_comment(cells[0])]
-    return Sheet(sheet.title, kept, comments)
+    data_rows = [(n, cells) for n, cells in rows if not _is_comment(cells[0])]
+    return Sheet(sheet.title, data_rows, comments)
 
 
 def _cell(value: Any) -> str:

@@ -22,9 +22,9 @@ WORDS = {"K_eq": "stiffness K_eq", "h_eq": "damping h_eq"}
 class ValidationFigures(ComparisonFigures):
     """Figures of a validation: `found.plot.loops()` and so on, each a matplotlib Figure."""
 
-    def __init__(self, found: Validation) -> None:
-        super().__init__(found, found.comparisons, "Validation")
-        self._limits = found.limits
+    def __init__(self, validation: Validation) -> None:
+        super().__init__(validation, validation.comparisons, "Validation")
+        self._limits = validation.limits
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
@@ -47,10 +47,11 @@ class ValidationFigures(ComparisonFigures):
                         continue
                     number = self._names.index(self._model_name(item))
                     at = place + (number - 0.5 * (len(self._names) - 1)) * SPREAD
-                    off = [0.0, 100.0 * (item.largest.ratios[measure] - 1.0)]
+                    errors = [0.0, 100.0 * (item.largest.ratios[measure] - 1.0)]
                     look: drawing.Look = {"color": colour, "linewidth": 1.4, "ms": 4.5}
-                    ax.plot(off, [at, at], marker="o", markevery=[1], **look)
+                    ax.plot(errors, [at, at], marker="o", markevery=[1], **look)
             self._shade_limit(ax, measure, "x")
+            # Zero in the middle, and no errors of rounding drawn over the whole width.
             widest = max(LEAST_SPAN, *(abs(v) for v in (*ax.get_xlim(), *ax.dataLim.intervalx)))
             ax.set_xlim(-1.1 * widest, 1.1 * widest)
             ax.set_ylim(count - 0.5, -0.5)
@@ -81,17 +82,17 @@ class ValidationFigures(ComparisonFigures):
         for number, ax in enumerate(axes):
             measure, record = RATIOS[number // columns], self._records[number % columns]
             for item, colour in self._comparisons(record):
-                off = [100.0 * (loop.ratios[measure] - 1.0) for loop in item.loops]
+                errors = [100.0 * (loop.ratios[measure] - 1.0) for loop in item.loops]
                 look: drawing.Look = {"color": colour, "linewidth": 0.9}
-                ax.plot([loop.cycle for loop in item.loops], off, marker=".", **look)
+                ax.plot([loop.cycle for loop in item.loops], errors, marker=".", **look)
             low, high = ax.dataLim.intervaly
             widest = max(LEAST_SPAN, abs(low), abs(high)) if np.isfinite([low, high]).all() else 1.0
             self._shade_limit(ax, measure, "y")
             ax.set_ylim(-1.15 * widest, 1.15 * widest)
             ax.xaxis.set_major_locator(MaxNLocator(integer=True))
-            foot, side = number // columns == len(RATIOS) - 1, number % columns == 0
+            is_lowest, is_leftmost = number // columns == len(RATIOS) - 1, number % columns == 0
             name = f"{WORDS.get(measure, measure)}\nerror [%]"
-            drawing.name_axes(ax, "cycle" if foot else "", name if side else "")
+            drawing.name_axes(ax, "cycle" if is_lowest else "", name if is_leftmost else "")
         drawing.head_grid(axes, [self._test_name(record) for record in self._records], [])
         figure.align_ylabels()
         self._legend_of_limits(figure)
@@ -106,17 +107,17 @@ class CrossValidationFigures(drawing.Figures):
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return what draws the figures of the final fit, of the folds, and of all tests."""
-        found = self._result
-        folds = {"folds": self.folds} if found.folds else {}
-        judged = found.judged.plot.draw_all()
+        result = self._result
+        folds = {"folds": self.folds} if result.folds else {}
+        judged = result.judged.plot.draw_all()
         judged = {f"held_out_{name}": draw for name, draw in judged.items()}
-        return {**found.final.plot.draw_all(), **folds, **judged}
+        return {**result.final.plot.draw_all(), **folds, **judged}
 
     def folds(self) -> Figure:
         """Draw each free parameter without each group of tests, over that of the fit to all."""
-        found = self._result
-        table, symbols = found.parameters, list(found.free)
-        title = f"{found.final.bearing.name}: parameters without each group of tests"
+        result = self._result
+        table, symbols = result.parameters, list(result.free)
+        title = f"{result.final.bearing.name}: parameters without each group of tests"
         size = (max(6.0, 2.0 + 1.1 * len(symbols)), 4.2)
         figure, (ax,) = drawing.panels(1, 1, size, title)
         for place, symbol in enumerate(symbols):
@@ -126,10 +127,11 @@ class CrossValidationFigures(drawing.Figures):
                 table[f"{symbol}_stderr"].to_numpy(float)[0] / reference, posinf=0.0
             )
             ax.errorbar(place, 0.0, 100.0 * error, color=TEST, capsize=6, linewidth=2.0)
-            off = 100.0 * (values[1:] - values[0]) / reference
-            at = place + np.linspace(-0.25, 0.25, len(off))
-            ax.plot(at, off, "o", color=FOLD, markersize=4)
-            for x, y, fold in zip(at, off, table["fold"][1:], strict=True):
+            # The first row is the fit to all tests, the others are fits without one group.
+            deviations = 100.0 * (values[1:] - values[0]) / reference
+            positions = place + np.linspace(-0.25, 0.25, len(deviations))
+            ax.plot(positions, deviations, "o", color=FOLD, markersize=4)
+            for x, y, fold in zip(positions, deviations, table["fold"][1:], strict=True):
                 ax.annotate(
                     str(fold), (x, y), (3, 3), textcoords="offset points", fontsize=drawing.SMALLEST
                 )

@@ -3,21 +3,20 @@
 from collections.abc import Mapping
 from typing import Any
 
-from thermobearing.cyclic.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.identify.report import (
     cycles_table,
     error_check,
     errors_table,
-    figure_captions,
     loop_trace,
     tests_table,
     thermocouples_table,
 )
 from thermobearing.quantities.governing import largest_by, least_by
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import counted, degrees, joined, percent, tidy
 from thermobearing.report import content
 from thermobearing.report.pieces import Check, Pieces, Plot, ReportFigure, Trace
-from thermobearing.report.words import counted, degrees, joined, percent, tidy
+from thermobearing.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.results.saved import SavedResult
 from thermobearing.validate.result import ERRORS
 
@@ -29,12 +28,12 @@ def build_pieces(saved: SavedResult) -> Pieces:
     summary = saved.summary
     items = summary["comparisons"]
     bearings = (summary.get("inputs") or {}).get("bearings", {})
-    words = [bearing_words(one["table"]) for one in bearings.values()]
+    words = [bearing_words(entry["table"]) for entry in bearings.values()]
     words = words or list(dict.fromkeys(str(item["bearing"]) for item in items))
     tests = {str(item["test"]): float(item["ambient_degC"]) for item in items}
     inputs = {"tests": tests_table(list({item["test"]: item for item in items}.values()))}
-    for one in bearings.values():
-        inputs |= bearing_tables(one["table"], one["sources"])
+    for entry in bearings.values():
+        inputs |= bearing_tables(entry["table"], entry["sources"])
     models = list(dict.fromkeys(str(item["model"]) for item in items))
     return content.build_pieces(
         "validate",
@@ -50,7 +49,9 @@ def build_pieces(saved: SavedResult) -> Pieces:
         assumptions=[
             "Nothing was calibrated: the bearing follows the measured displacement of each test, "
             "starting at the temperature of the chamber.",
-            *model_assumptions({"model": models[0]}, [one["table"] for one in bearings.values()]),
+            *model_assumptions(
+                {"model": models[0]}, [entry["table"] for entry in bearings.values()]
+            ),
         ],
         **content.saved_parts(saved, "thermobearing.validate_bearing(...) in Python"),
     )
@@ -60,54 +61,60 @@ def _answer(summary: Summary) -> list[str]:
     """Return sentences on the verdict, the largest errors, and the agreement of the force."""
     items = summary["comparisons"]
     early = [] if summary["outcome"] == "completed" else [tidy(str(summary["sentence"]))]
-    known = [item for item in items if item["R2"] is not None]
+    compared = [item for item in items if item["R2"] is not None]
     worst = []
     for name in summary["limits"]:
-        errors = [(item["errors"][name]["error"], item) for item in known]
+        errors = [(item["errors"][name]["error"], item) for item in compared]
         errors = [(error, item) for error, item in errors if error is not None]
         if errors:
             error, item = largest_by(errors, lambda pair: abs(pair[0]))
-            worst.append(f"{name} {percent(error, 1)} ({_whose(item, items)})")
-    verdict_ = {"within": "meets the limits", "beyond": "exceeds a limit"}.get(
+            worst.append(f"{name} {percent(error, 1)} ({_comparison_label(item, items)})")
+    verdict = {"within": "meets the limits", "beyond": "exceeds a limit"}.get(
         str(summary["verdict"]), str(summary["verdict"])
     )
-    errors_ = f"; largest errors {joined(worst)}" if worst else ""
-    found = [*early, f"The model {verdict_}{errors_}."]
-    if known:
-        lowest = least_by(known, lambda item: float(item["R2"]))
+    largest_errors = f"; largest errors {joined(worst)}" if worst else ""
+    sentences = [*early, f"The model {verdict}{largest_errors}."]
+    if compared:
+        lowest = least_by(compared, lambda item: float(item["R2"]))
         largest = [
             f"{name} x {item['largest_loop']['ratio'][name]:.2f}"
-            for item in known[:1]
+            for item in compared[:1]
             if item["largest_loop"]
             for name in ("K_eq", "h_eq", "energy")
         ]
-        first = _whose(known[0], items)
+        first = _comparison_label(compared[0], items)
         loop = f"; its largest loop in {first}: {joined(largest)}" if largest else ""
-        found.append(
+        sentences.append(
             f"R² of the force is {lowest['R2']:.4f} or more "
-            f"(lowest: {_whose(lowest, items)}){loop}."
+            f"(lowest: {_comparison_label(lowest, items)}){loop}."
         )
-    return found
+    return sentences
 
 
-def _whose(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
+def _comparison_label(item: Mapping[str, Any], items: list[Mapping[str, Any]]) -> str:
     """Return the name of a comparison: the test, and bearing and model if there are several."""
-    several = [k for k in ("bearing", "model") if len({str(one[k]) for one in items}) > 1]
+    several = [
+        k for k in ("bearing", "model") if len({str(comparison[k]) for comparison in items}) > 1
+    ]
     return ", ".join([str(item["test"]), *(str(item[key]) for key in several)])
 
 
 def _report_tables(saved: SavedResult) -> dict[str, Table]:
-    found = {"errors": errors_table(ERRORS, saved["table"].to_dict("records"))}
+    tables = {"errors": errors_table(ERRORS, saved["table"].to_dict("records"))}
     if "cycles" in saved.tables:
-        found["cycles"] = cycles_table(saved["cycles"])
+        tables["cycles"] = cycles_table(saved["cycles"])
     items = saved.summary["comparisons"]
-    rows = [{"test": _whose(item, items), **row} for item in items for row in item["thermocouples"]]
-    found["thermocouples"] = thermocouples_table(rows)
-    return {name: table for name, table in found.items() if table.rows}
+    rows = [
+        {"test": _comparison_label(item, items), **row}
+        for item in items
+        for row in item["thermocouples"]
+    ]
+    tables["thermocouples"] = thermocouples_table(rows)
+    return {name: table for name, table in tables.items() if table.rows}
 
 
 def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
-    found = content.saved_figures(saved, figure_captions("validate"))
+    figures = content.saved_figures(saved, "validate")
     if "fit" in saved.tables:
         choices: dict[str, list[Trace]] = {}
         parts = saved["fit"].groupby(["test", "bearing", "model"], sort=False)
@@ -120,8 +127,8 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
                 name = f"{bearing}, {model}"
                 traces.append(loop_trace(name, rows, "model_force_kN", colour))
         plot = Plot("displacement [mm]", "force [kN]", choices)
-        found = content.with_plot(found, "loops", plot, figure_captions("validate"))
-    return found
+        figures = content.with_plot(figures, "loops", plot, "validate")
+    return figures
 
 
 MODEL_COLOURS = ("#CC3311", "#0077BB", "#009988", "#EE7733")
@@ -129,13 +136,17 @@ MODEL_COLOURS = ("#CC3311", "#0077BB", "#009988", "#EE7733")
 
 def _report_checks(summary: Summary) -> list[Check]:
     items = summary["comparisons"]
-    found = []
+    checks = []
     for item in items:
-        for name, one in item["errors"].items():
-            if one["limit"] is not None:
-                whose = _whose(item, items)
-                found.append(error_check(name, whose, one["error"], one["limit"], one["verdict"]))
+        for name, error in item["errors"].items():
+            if error["limit"] is not None:
+                comparison_name = _comparison_label(item, items)
+                checks.append(
+                    error_check(
+                        name, comparison_name, error["error"], error["limit"], error["verdict"]
+                    )
+                )
     names = list(dict.fromkeys(str(item["bearing"]) for item in items))
     rows = summary.get("tested_range", [])
     source = f"{content.TESTED_RANGE} of the bearing"
-    return found + content.limit_checks(rows, content.TESTS, source, names)
+    return checks + content.limit_checks(rows, content.TESTS, source, names)

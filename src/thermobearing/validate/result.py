@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import thermobearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.record import TestRecord, record_conditions
@@ -16,6 +17,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import counted, joined, percent
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
 from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
@@ -82,6 +84,7 @@ def _comparison_summary(item: Comparison, limits: Mapping[str, float]) -> dict[s
     }
 
 
+@checked
 @dataclass(frozen=True, repr=False)
 class Validation(Result):
     """The result of a validation.
@@ -118,20 +121,21 @@ class Validation(Result):
     @property
     def headline(self) -> str:
         """The result in a line."""
-        return f"Validation: {len(self.comparisons)} comparisons, {self.verdict}, {self.outcome}"
+        count = counted(len(self.comparisons), "comparison")
+        return f"Validation: {count}, {self.verdict}, {self.outcome}"
 
     @property
     def outcome(self) -> str:
         """Outcome: "completed" if every model completed every test, else "partly"."""
-        done = all(item.prediction is not None for item in self.comparisons)
-        return COMPLETED if done else "partly"
+        all_completed = all(item.prediction is not None for item in self.comparisons)
+        return COMPLETED if all_completed else "partly"
 
     @property
     def sentence(self) -> str:
         """The meaning of the outcome and what to try; empty if completed."""
-        ended = dict.fromkeys(item.outcome for item in self.comparisons)
-        why = [OUTCOMES[name] for name in ended if name != COMPLETED and name in OUTCOMES]
-        return "" if self.outcome == COMPLETED else " ".join([PARTLY, *why])
+        outcomes = dict.fromkeys(item.outcome for item in self.comparisons)
+        meanings = [OUTCOMES[name] for name in outcomes if name != COMPLETED and name in OUTCOMES]
+        return "" if self.outcome == COMPLETED else " ".join([PARTLY, *meanings])
 
     @property
     def tested_range(self) -> "pd.DataFrame":
@@ -177,17 +181,18 @@ class Validation(Result):
         """Return tables of the largest errors of each test, and of thermocouples."""
         from thermobearing.identify.report import errors_table, thermocouples_table
 
-        found = {"errors": errors_table(ERRORS, self.table.to_dict("records"))}
+        tables_by_name = {"errors": errors_table(ERRORS, self.table.to_dict("records"))}
         if len(self.thermocouples):
-            found["thermocouples"] = thermocouples_table(self.thermocouples.to_dict("records"))
-        return found
+            rows = self.thermocouples.to_dict("records")
+            tables_by_name["thermocouples"] = thermocouples_table(rows)
+        return tables_by_name
 
     def notes(self) -> list[str]:
         """Unused columns of the tests, and the limits with the verdict."""
-        limits = ", ".join(f"{name} {limit:.0%}" for name, limit in self.limits.items())
+        limits = joined(f"{name} {percent(limit)}" for name, limit in self.limits.items())
         return [
             *unused_columns([item.record for item in self.comparisons]),
-            f"limits: {limits}; verdict: {self.verdict}",
+            f"verdict: {self.verdict} the limits of the error ({limits})",
         ]
 
     def summary(self) -> dict[str, Any]:
@@ -210,9 +215,9 @@ class Validation(Result):
         for name, table in tables.items():
             if len(table) or name != THERMOCOUPLES:
                 without_formulas(table).to_csv(folder / name, index=False)
-        whose = ("test", "bearing", "model")
+        labels = ("test", "bearing", "model")
         samples = [
-            pd.DataFrame({name: item.names[name] for name in whose} | item.samples)
+            pd.DataFrame({name: item.names[name] for name in labels} | item.samples)
             for item in self.comparisons
         ]
         write_csv(folder / FIT_TABLE, pd.concat(samples, ignore_index=True))
@@ -239,8 +244,8 @@ class CrossValidation(Result):
     @property
     def outcome(self) -> str:
         """The outcome of the fits and of the runs of the tests held out."""
-        ended = (found.outcome for found in (self.final, *self.folds))
-        return next((name for name in ended if name != COMPLETED), self.held_out.outcome)
+        outcomes = (result.outcome for result in (self.final, *self.folds))
+        return next((name for name in outcomes if name != COMPLETED), self.held_out.outcome)
 
     @property
     def sentence(self) -> str:
@@ -264,26 +269,30 @@ class CrossValidation(Result):
         """Comparisons of both kinds, for figures; the bearing's name includes the kind."""
         items = [
             replace(item, bearing=f"{item.bearing}, {role}")
-            for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out))
-            for item in found.comparisons
+            for role, validation in ((FITTED, self.fitted), (HELD_OUT, self.held_out))
+            for item in validation.comparisons
         ]
         return Validation(items, self.held_out.limits)
 
     def _find_fold(self, record: TestRecord) -> int:
         """Return the fold that a test is held out of, from 1; 0 if none."""
         groups = self.groups if self.folds else []
-        found = (k for k, group in enumerate(groups, 1) if any(record is one for one in group))
-        return next(found, 0)
+        folds = (
+            k for k, group in enumerate(groups, 1) if any(record is member for member in group)
+        )
+        return next(folds, 0)
 
     @cached_property
     def table(self) -> "pd.DataFrame":
         """One row for each test in each role: R2, largest errors and verdicts, largest loop."""
         parts = []
-        for role, found in ((FITTED, self.fitted), (HELD_OUT, self.held_out)):
-            part = found.table.copy()
-            records = [item.record for item in found.comparisons]
-            of_folds = [self._find_fold(record) if role == HELD_OUT else 0 for record in records]
-            part.insert(0, "fold", of_folds)
+        for role, validation in ((FITTED, self.fitted), (HELD_OUT, self.held_out)):
+            part = validation.table.copy()
+            records = [item.record for item in validation.comparisons]
+            fold_numbers = [
+                self._find_fold(record) if role == HELD_OUT else 0 for record in records
+            ]
+            part.insert(0, "fold", fold_numbers)
             part.insert(0, "role", role)
             parts.append(part)
         return pd.concat(parts, ignore_index=True)
@@ -330,14 +339,16 @@ class CrossValidation(Result):
         """Return tables of the final fit, of parameters by fold, and of both kinds of tests."""
         from thermobearing.identify.report import errors_table
 
-        found = self.final.tables()
+        tables_by_name = self.final.tables()
+        # Those below have the errors of all tests, with the limits.
+        tables_by_name.pop("records", None)
         if self.folds:
-            found["folds"] = self._folds_table()
+            tables_by_name["folds"] = self._folds_table()
         for role, judged in (("used in the calibration", self.fitted), (HELD_OUT, self.held_out)):
-            found[role] = errors_table(
+            tables_by_name[role] = errors_table(
                 f"Largest errors in each test {role}", judged.table.to_dict("records")
             )
-        return found
+        return tables_by_name
 
     def _folds_table(self) -> Table:
         """Return the parameters without each fold, and their jackknife standard errors."""
@@ -365,8 +376,8 @@ class CrossValidation(Result):
             "folds": self.parameters.to_dict("records") if self.folds else [],
             "jackknife_stderr": self.spread,
         }
-        own = {"outcome": self.outcome, "warnings": self.warnings, "held_out": held_out}
-        return self.final.summary() | own
+        changes = {"outcome": self.outcome, "warnings": self.warnings, "held_out": held_out}
+        return self.final.summary() | changes
 
     def with_forecast(self, forecast: "Forecast") -> "CrossValidation":
         """Return the result with a forecast of the final fit."""

@@ -11,20 +11,21 @@ one fit without each group, and a last one to all of them.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Unpack, get_args
 
 import numpy as np
 
 from thermobearing.bearing.exposure import describe_all, exposures
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.toml import to_table
 from thermobearing.border.units import is_number
-from thermobearing.identify.case import IdentifyCase, Test, make_identify_case
+from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.records.checks import check_test
+from thermobearing.identify.records.checks import NOT_NEEDED, check_test
 from thermobearing.identify.records.record import TestRecord, load_test, reached_values
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
@@ -33,14 +34,14 @@ from thermobearing.model.options import ModelOptions
 from thermobearing.results.ranges import compare_with_tests, outside_tests
 from thermobearing.validate.result import QUANTITIES, CrossValidation, Validation
 
-ASSUMED = ("assumed", "rubber")  # checks whose warnings a comparison repeats
-NOT_NEEDED = ("cycles", "sampling")  # checks of a fit that any history may fail
+ANY_HISTORY = (*NOT_NEEDED, "begin", "end")  # checks of which a comparison repeats no warning
 LIMITS = {"K_eq": 0.15, "h_eq": 0.15}  # of Shen (2023), 4.4.2
 LARGEST_LIMIT = 10.0
 Chosen = Bearing | str | Path
 Progress = Callable[[int, int], None]
 
 
+@checked
 def validate_bearing(
     bearings: Sequence[Chosen] | Chosen,
     records: Sequence[Test] | Test,
@@ -72,24 +73,24 @@ def validate_bearing(
     True
     """
     chosen = [bearings] if isinstance(bearings, Bearing | str | Path) else list(bearings)
-    wanted: list[Model] = [models] if isinstance(models, str) else list(models)
+    model_names: list[Model] = [models] if isinstance(models, str) else list(models)
     tests = _load_tests(records)
-    for what, given in (("bearing", chosen), ("test", tests), ("model", wanted)):
-        if not given:
-            raise InputError(f"give at least one {what}")
-    for model in wanted:
+    for kind, items in (("bearing", chosen), ("test", tests), ("model", model_names)):
+        if not items:
+            raise InputError(f"give at least one {kind}")
+    for model in model_names:
         if model not in get_args(Model):
             raise InputError(f'model = "{model}"{nearest(model, get_args(Model))}')
     largest = check_limits(limits)
-    found = [as_bearing(item) for item in chosen]
-    assumed = _refuse_unusable(tests, found[0])
-    judged = _judge(found, [_as_fitted(record) for record in tests], wanted, largest)
+    chosen_bearings = [as_bearing(item) for item in chosen]
+    assumed = _refuse_unusable(tests, chosen_bearings[0])
+    judged = _judge(chosen_bearings, [_as_fitted(record) for record in tests], model_names, largest)
     return replace(judged, warnings=[*assumed, *judged.warnings])
 
 
-def _load_tests(given: Sequence[Test] | Test) -> list[TestRecord]:
-    several = [given] if isinstance(given, TestRecord | str | Path) else list(given)
-    return [item if isinstance(item, TestRecord) else load_test(item) for item in several]
+def _load_tests(tests: Sequence[Test] | Test) -> list[TestRecord]:
+    items = [tests] if isinstance(tests, TestRecord | str | Path) else list(tests)
+    return [item if isinstance(item, TestRecord) else load_test(item) for item in items]
 
 
 def check_limits(limits: Mapping[str, float] | None) -> dict[str, float]:
@@ -112,40 +113,43 @@ def _judge(
     limits: Mapping[str, float] = LIMITS,
 ) -> Validation:
     """Compare bearings with tests as fitted, in the models that each bearing supports."""
-    found, said = [], []
+    comparisons, warnings = [], []
     for bearing in bearings:
-        possible = [one for one in models if not ModelOptions(model=one).misfits(bearing)]
+        possible = [model for model in models if not ModelOptions(model=model).misfits(bearing)]
         if not possible:
             raise InputError(f'model "{models[0]}" needs lead, but {bearing.name} has none')
-        mine = [
+        bearing_comparisons = [
             _comparison(bearing, model, record)
             for model in dict.fromkeys(possible)
             for record in records
         ]
-        said += describe_all(exposures([bearing], None))
-        rows = [row for item in mine for row in item.compared]
-        said += outside_tests(bearing.name, rows, calibration_ranges(bearing))
-        found += mine
-    went_in = {one.name: {"table": to_table(one), "sources": one.sources} for one in bearings}
-    return Validation(found, dict(limits), said, {"bearings": went_in})
+        warnings += describe_all(exposures([bearing], None))
+        rows = [row for item in bearing_comparisons for row in item.compared]
+        warnings += outside_tests(bearing.name, rows, calibration_ranges(bearing))
+        comparisons += bearing_comparisons
+    inputs = {
+        bearing.name: {"table": to_table(bearing), "sources": bearing.sources}
+        for bearing in bearings
+    }
+    return Validation(comparisons, dict(limits), warnings, {"bearings": inputs})
 
 
 def _as_fitted(record: TestRecord) -> TestRecord:
     """Return a test as a fit uses it: rests thinned, spikes and drift removed on request."""
-    found = check_test(record)
-    if found.treatment is None:
+    report = check_test(record)
+    if report.treatment is None:
         return record
-    seen, _ = found.treatment.to_fit(found.clipped)
-    pairs = [(getattr(seen, name), getattr(record, name)) for name in ("displacement", "force")]
-    return record if all(np.array_equal(new, old) for new, old in pairs) else seen
+    treated, _ = report.treatment.to_fit(report.clipped)
+    pairs = [(getattr(treated, name), getattr(record, name)) for name in ("displacement", "force")]
+    return record if all(np.array_equal(new, old) for new, old in pairs) else treated
 
 
 def _refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
-    """Return the assumptions about tests; reject tests that cannot be used."""
-    found = [(one, check_test(one, bearing).findings) for one in records]
+    """Return the warnings about tests; reject tests that cannot be used."""
+    findings_of_tests = [(test, check_test(test, bearing).findings) for test in records]
     refused = [
         f"{record.file or record.name}: {finding.sentence}"
-        for record, findings in found
+        for record, findings in findings_of_tests
         for finding in findings
         if finding.level == "refused" and finding.check not in NOT_NEEDED
     ]
@@ -153,24 +157,25 @@ def _refuse_unusable(records: Sequence[TestRecord], bearing: Bearing) -> list[st
         raise InputError(refused)
     return [
         f"{record.name}: {finding.sentence}"
-        for record, findings in found
+        for record, findings in findings_of_tests
         for finding in findings
-        if finding.level == "warning" and finding.check in ASSUMED
+        if finding.level == "warning" and finding.check not in ANY_HISTORY
     ]
 
 
 def _comparison(bearing: Bearing, model: Model, record: TestRecord) -> Comparison:
     options, record = ModelOptions(model=model), record.of_bearing(bearing)
     forward = ForwardModel(record, bearing, fine=True, options=options)
-    found = forward.run()
-    lead = found.lead if found else None
+    prediction = forward.run()
+    lead = prediction.lead if prediction else None
     rubber = bearing.total_rubber_thickness
     reached = reached_values(record, rubber, record.ambient, lead)
     name = f"{bearing.name}, {model}, {record.name}, {record.ambient:g} degC"
     compared = compare_with_tests(name, reached, calibration_ranges(bearing))
-    return Comparison(record, bearing.name, model, rubber, found, forward.ended, compared)
+    return Comparison(record, bearing.name, model, rubber, prediction, forward.ended, compared)
 
 
+@checked
 def cross_validate(
     records: Sequence[Test] | Test,
     bearing: Bearing | str | Path,
@@ -179,7 +184,7 @@ def cross_validate(
     folds: int | None = None,
     limits: Mapping[str, float] | None = None,
     progress: Progress | None = None,
-    **fit: Any,
+    **fit: Unpack[IdentifyKeywords],
 ) -> CrossValidation:
     """Calibrate a bearing with some tests and validate it with the others.
 
@@ -194,7 +199,10 @@ def cross_validate(
         tests.
     limits : largest relative error by quantity, as in `validate_bearing`.
     progress : called with (fits done, all).
-    fit : the other arguments of `identify_bearing`.
+    free, bounds, search, seed, starts, loss, temperatures, start_from, polish : as
+        of `identify_bearing`; bounds are in the unit of the parameter.
+    assumed, accept_poor, one_temperature : as of `identify_bearing`; the uncertainties that are
+        assumed are relative.
 
     Raises
     ------
@@ -210,8 +218,8 @@ def cross_validate(
     >>> found.verdict
     'within'
     """
-    tests, out = _split_tests(records, hold_out)
-    if bool(out) == (folds is not None):
+    tests, held_out = _split_tests(records, hold_out)
+    if bool(held_out) == (folds is not None):
         raise InputError("give either tests to hold out or a number of folds")
     if not tests:
         raise InputError("every test is held out; none remains for the calibration")
@@ -220,26 +228,27 @@ def cross_validate(
     case = make_identify_case(tests, bearing, **fit)
     largest = check_limits(limits)
     tests = case.records
-    if refused := [line for one in tests for line in check_test(one, case.bearing).refusals]:
+    if refused := [line for test in tests for line in check_test(test, case.bearing).refusals]:
         raise InputError(refused)
-    _refuse_unusable(out, case.bearing)
-    groups = _groups(tests, folds) if folds else [out]
+    _refuse_unusable(held_out, case.bearing)
+    groups = _groups(tests, folds) if folds else [held_out]
     final, *fits = _fit(case, groups if folds else [], progress)
-    alike = {id(record): _as_fitted(record) for record in [*tests, *out]}
-    groups = [[alike[id(record)] for record in group] for group in groups]
+    # One treated copy of each test: folds and comparisons find their tests by identity.
+    as_fitted = {id(record): _as_fitted(record) for record in [*tests, *held_out]}
+    groups = [[as_fitted[id(record)] for record in group] for group in groups]
     pairs = zip(fits or [final], groups, strict=True)
-    judged = [_judge([one.bearing], group) for one, group in pairs]
+    judged = [_judge([calibration.bearing], group) for calibration, group in pairs]
     warnings = [
         f"held out{f' of fold {number}' if folds else ''}: {text}"
-        for number, found in enumerate(judged, start=1)
-        for text in found.warnings
+        for number, validation in enumerate(judged, start=1)
+        for text in validation.warnings
     ]
-    items = [item for found in judged for item in found.comparisons]
+    items = [item for validation in judged for item in validation.comparisons]
     return CrossValidation(
         final=final,
         folds=fits,
         groups=groups,
-        fitted=_judge([final.bearing], [alike[id(r)] for r in tests], limits=largest),
+        fitted=_judge([final.bearing], [as_fitted[id(r)] for r in tests], limits=largest),
         held_out=Validation(items, largest, warnings),
     )
 
@@ -248,29 +257,35 @@ def _split_tests(
     records: Sequence[Test] | Test, hold_out: Sequence[Test] | Test
 ) -> tuple[list[TestRecord], list[TestRecord]]:
     """Return the tests to fit and those held out, without duplicates."""
-    kept, out = _load_tests(records), _load_tests(hold_out)
-    once = [one for i, one in enumerate(out) if not any(_same(one, other) for other in out[:i])]
-    return [one for one in kept if not any(_same(one, other) for other in out)], once
+    tests, held_out = _load_tests(records), _load_tests(hold_out)
+    distinct = [
+        test
+        for i, test in enumerate(held_out)
+        if not any(_is_same_test(test, second) for second in held_out[:i])
+    ]
+    to_fit = [test for test in tests if not any(_is_same_test(test, second) for second in held_out)]
+    return to_fit, distinct
 
 
-def _same(one: TestRecord, other: TestRecord) -> bool:
+def _is_same_test(first: TestRecord, second: TestRecord) -> bool:
     """Return whether two records are the same test: the same object or file."""
-    files = [Path(record.file).resolve() for record in (one, other) if record.file]
-    return one is other or (len(files) == 2 and files[0] == files[1])
+    files = [Path(record.file).resolve() for record in (first, second) if record.file]
+    return first is second or (len(files) == 2 and files[0] == files[1])
 
 
 def _check_folds(folds: int, tests: int) -> None:
     if tests < 2:
         raise InputError("folds: needs at least two tests")
     if not isinstance(folds, int) or isinstance(folds, bool) or not 2 <= folds <= tests:
-        said = shortened(str(folds)) if is_number(folds) else "that"
+        value_text = shortened(str(folds)) if is_number(folds) else "that"
         raise InputError(
-            f"folds = {said}: must be an integer from 2 to the number of tests, {tests}"
+            f"folds = {value_text}: must be an integer from 2 to the number of tests, {tests}"
         )
 
 
 def _groups(tests: list[TestRecord], folds: int) -> list[list[TestRecord]]:
     """Return groups of tests of mixed temperatures."""
+    # Each group takes every n-th test in the order of temperature, so that it spans all of them.
     order = sorted(range(len(tests)), key=lambda i: tests[i].ambient)
     return [[tests[i] for i in sorted(order[k::folds])] for k in range(folds)]
 
@@ -283,9 +298,11 @@ def _fit(
     for number, group in enumerate([[], *groups]):
         if progress:
             progress(number, len(groups) + 1)
-        seen = [record for record in case.records if not any(record is other for other in group)]
+        remaining = [
+            record for record in case.records if not any(record is held_out for held_out in group)
+        ]
         try:
-            fits.append(run_identify(replace(case, records=seen)))
+            fits.append(run_identify(replace(case, records=remaining)))
         except InputError as error:
             if not number:
                 raise

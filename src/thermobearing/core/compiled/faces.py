@@ -116,6 +116,7 @@ def compile_face(kernel: Kernel, kinds_of_call: tuple[Any, ...]) -> Compiled:
     for kind in results:
         if not isinstance(kind, NUMBERS):
             raise UnsuitableError(f"{kind} has no place in a table")
+    # numba's functions return a status, which callers without numba do not expect: FACE has none.
     symbol = PREFIX + kernel.__name__.strip("_")
     overload.library.symbol = f"{symbol}_with_status"
     module, shared = link(overload.library)
@@ -206,9 +207,9 @@ class Description:
         fields = []
         for name, field in kind.fields.items():
             inner = field.type
-            wide = isinstance(inner, types.NestedArray)
-            item = np.dtype(str(inner.dtype if wide else inner)).str
-            fields.append([name, item, field.offset, *(inner.shape if wide else ())])
+            is_nested = isinstance(inner, types.NestedArray)
+            item = np.dtype(str(inner.dtype if is_nested else inner)).str
+            fields.append([name, item, field.offset, *(inner.shape if is_nested else ())])
         name = self._names.get(str(kind), "Row") + suffix
         return _add_named(self.rows, name, {"fields": fields, "size": kind.size})
 

@@ -167,6 +167,7 @@ def link(part: Part) -> tuple[Any, list[Part]]:
             module.get_function(outside.function).name = outside.symbol
     if part.symbol:
         module.get_function(part.function).name = part.symbol
+    # Shared parts have separate objects, and so have the shared parts that they call.
     below = [inner for outside in shared for inner in link(outside)[1]]
     return module, list(dict.fromkeys([*shared, *below]))
 
@@ -335,6 +336,7 @@ class _PartDispatcher(CPUDispatcher):
         if self.kernel is not None:
             part.use = self.kernel.use
             if part.use == "shared":
+                # The same kernel for other types is other machine code, and needs another name.
                 words = hashlib.sha256(str(kinds).encode()).hexdigest()[:8]
                 name = self.kernel.name.replace(".", "_")
                 part.symbol = f"{PREFIX}{name}_{words}"
@@ -378,10 +380,10 @@ class ChoiceType(types.Callable, types.Opaque):
 
     def __init__(self, choice: Choice) -> None:
         self.choice = choice
-        super().__init__(f"Choice({', '.join(str(one) for one in choice.versions)})")
+        super().__init__(f"Choice({', '.join(str(version) for version in choice.versions)})")
 
-    def _version(self, given: Any) -> Any:
-        kind: Any = given[self.choice.at]
+    def _version(self, arguments: Any) -> Any:
+        kind: Any = arguments[self.choice.at]
         rank = 0
         while isinstance(kind, types.BaseTuple):
             columns: Any = kind

@@ -75,8 +75,9 @@ def _level() -> str:
         return "v1"
     lines = (line.partition(":")[2] for line in text.splitlines() if line.startswith("flags"))
     flags = set(next(lines, "").split())
-    v3 = LEVELS["v3"] <= flags
-    return "v4" if v3 and LEVELS["v4"] <= flags else "v3" if v3 else "v1"
+    if not LEVELS["v3"] <= flags:
+        return "v1"
+    return "v4" if LEVELS["v4"] <= flags else "v3"
 
 
 def library_name(choice: str = "") -> str:
@@ -131,12 +132,12 @@ def read_library(folder: Path, name: str) -> tuple[Path, bytes, dict[str, Any]]:
     ValueError if they were built from other sources, or the content differs from what was built.
     """
     description = read_description(folder)
-    known = description["libraries"].get(name)
-    if known is None:
+    entry = description["libraries"].get(name)
+    if entry is None:
         raise ValueError(f"there is no library for {name}")
-    file = folder / known["file"]
+    file = folder / entry["file"]
     content = file.read_bytes()
-    if hashlib.sha256(content).hexdigest() != known["sha256"]:
+    if hashlib.sha256(content).hexdigest() != entry["sha256"]:
         raise ValueError(f"the content of {file.name} is not what was built")
     return file, content, description
 
@@ -195,8 +196,8 @@ class ArrayKind:
     def _is_suitable(self, dtype: Any) -> bool:
         if self.row is None or dtype.names is None:
             return bool(dtype.str == self.name)
-        found: bool = _list_fields(dtype) == self.row["fields"]
-        return found and dtype.itemsize == self.row["size"]
+        has_same_fields: bool = _list_fields(dtype) == self.row["fields"]
+        return has_same_fields and dtype.itemsize == self.row["size"]
 
     def add(self, array: Any, slots: Slots, _: Slots) -> None:
         """Append the address and the shape of an array."""
@@ -230,12 +231,12 @@ class RecordKind:
         self.kinds: list[Kind] = [_new_kind(kind, description) for _, kind in fields]
         self.format: str = "".join(kind.format for kind in self.kinds)
 
-    def add(self, record: Any, slots: Slots, held: Slots) -> None:
+    def add(self, record: Any, slots: Slots, references: Slots) -> None:
         """Append the slots of all fields."""
         if not isinstance(record, tuple) or len(record) != len(self.kinds):
             raise UnsuitableError(f"{type(record).__name__} in place of a record")
-        for kind, one in zip(self.kinds, record):  # noqa: B905  # `strict` costs time
-            kind.add(one, slots, held)
+        for kind, field in zip(self.kinds, record):  # noqa: B905  # `strict` costs time
+            kind.add(field, slots, references)
 
 
 class TableKind:
@@ -247,34 +248,35 @@ class TableKind:
     def __init__(self, inner: RecordKind | ArrayKind, *, counted: bool, reused: int) -> None:
         self.format = "qq" if counted else "q"
         self.inner, self.counted, self.reused = inner, counted, reused
-        self.one = struct.Struct(inner.format)
+        self.layout = struct.Struct(inner.format)
         self.kept: dict[int, tuple[Any, Any, int]] = {}
 
-    def add(self, given: Any, slots: Slots, held: Slots) -> None:
-        """Append the address of a table, which `held` keeps alive."""
-        found = self.kept.get(id(given)) if self.reused else None
-        if found is None or found[0] is not given:
-            found = self._new_table(given)
+    def add(self, records: Any, slots: Slots, references: Slots) -> None:
+        """Append the address of a table, which `references` keeps alive."""
+        entry = self.kept.get(id(records)) if self.reused else None
+        # Another record may have the address of one that is gone: the kept one must be the same.
+        if entry is None or entry[0] is not records:
+            entry = self._new_table(records)
             if self.reused:
                 if len(self.kept) >= self.reused:
                     self.kept.clear()
-                self.kept[id(given)] = found
-        held.append(found)
-        slots.append(found[2])
+                self.kept[id(records)] = entry
+        references.append(entry)
+        slots.append(entry[2])
         if self.counted:
-            slots.append(len(given))
+            slots.append(len(records))
 
-    def _new_table(self, given: Any) -> tuple[Any, Any, int]:
+    def _new_table(self, records: Any) -> tuple[Any, Any, int]:
         inner: Slots = []
         below: Slots = []
         if self.counted:
-            for one in given:
-                self.inner.add(one, inner, below)
-            table = bytearray(struct.pack(self.inner.format * len(given), *inner))
+            for record in records:
+                self.inner.add(record, inner, below)
+            table = bytearray(struct.pack(self.inner.format * len(records), *inner))
         else:
-            self.inner.add(given, inner, below)
-            table = bytearray(self.one.pack(*inner))
-        return given, (table, below), _ADDRESS(_BYTE(table)) if table else 0
+            self.inner.add(records, inner, below)
+            table = bytearray(self.layout.pack(*inner))
+        return records, (table, below), _ADDRESS(_BYTE(table)) if table else 0
 
 
 Kind = NumberKind | ArrayKind | RecordKind | TableKind
@@ -334,7 +336,7 @@ class Face:
         The table of the call is filled once, with the addresses of the records.
         """
         slots: Slots = []
-        held: Slots = []
+        references: Slots = []
         table = self.table()
         content = memoryview(table).cast("B")
         views = {code: content.cast(code) for code in "dq"}  # type: ignore[call-overload]
@@ -343,16 +345,14 @@ class Face:
             for kind, argument in zip(self.kinds, arguments, strict=True):
                 if isinstance(kind, NumberKind):
                     places.append((views[kind.format], len(slots)))
-                kind.add(argument, slots, held)
+                kind.add(argument, slots, references)
             self.arguments.pack_into(table, 0, *slots)
         except (UnsuitableError, struct.error, ValueError):
             return None
-        function, results, first, single = (
-            *(self.function, self.results.unpack_from),
-            *(self.arguments.size, self.single),
-        )
+        function, results = self.function, self.results.unpack_from
+        first, single = self.arguments.size, self.single
 
-        def call(*numbers: Any, _: Slots = held) -> Any:
+        def call(*numbers: Any, _: Slots = references) -> Any:
             for (view, place), number in zip(places, numbers, strict=True):
                 view[place] = number
             function(table)
@@ -364,11 +364,11 @@ class Face:
     def call(self, *arguments: Any) -> Any:
         """Call the kernel; arguments that do not fit are left to another face."""
         slots: Slots = []
-        held: Slots = []
+        references: Slots = []
         table = self.table()
         try:
             for kind, argument in zip(self.kinds, arguments, strict=True):
-                kind.add(argument, slots, held)
+                kind.add(argument, slots, references)
             self.arguments.pack_into(table, 0, *slots)
         except (UnsuitableError, struct.error, ValueError) as problem:
             if not has_numba():

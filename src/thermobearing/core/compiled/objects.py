@@ -88,6 +88,7 @@ class Faces:
 
     def runner(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel with arguments like these."""
+        # Kept faces first: numba takes a second to import.
         for face in self.faces:
             if face.prepare(*arguments):
                 return face.call
@@ -168,6 +169,7 @@ def _made_once(name: str, make: Callable[[], Kept]) -> Kept:
     file = folder / f"{name}.json"
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     with _locked(file.with_suffix(".lock")):
+        # Another process may have made it while this one waited for the lock.
         code = _read_one(file)
         if code is None:
             code = make()
@@ -196,6 +198,7 @@ def _locked(file: Path) -> Iterator[None]:
 def _keep(file: Path, contents: list[bytes], description: dict[str, Any]) -> None:
     """Write an object, and then its description, each complete or not at all."""
     described = json.dumps(description).encode()
+    # The description comes last: an object without one is not read.
     for path, data in ((file.with_suffix(".o"), contents[0]), (file, described)):
         part = path.with_name(f"{path.name}.{os.getpid()}")
         part.write_bytes(data)

@@ -7,6 +7,7 @@ Here the digest of all kernel sources alone decides, and the folder is named aft
 
 import hashlib
 import os
+import shutil
 import tempfile
 import warnings
 from functools import cache
@@ -28,6 +29,7 @@ KERNELS = (
     "structure/predictor.py",
     "structure/takeda.py",
     "structure/types.py",
+    "structure/vertical.py",
 )
 
 # How a kernel is compiled; part of the digest.
@@ -48,11 +50,11 @@ ROOM = 25_000_000  # for the machine code of all kernels, and some more [bytes]
 def kernel_files() -> list[Path]:
     """Return the files of KERNELS. How kernels are loaded and called changes no number."""
     package = Path(__file__).parents[2]
-    found: list[Path] = []
+    files: list[Path] = []
     for part in KERNELS:
         place = package / part
-        found += sorted(place.rglob("*.py")) if place.is_dir() else [place]
-    return [file for file in found if file.parent != Path(__file__).parent]
+        files += sorted(place.rglob("*.py")) if place.is_dir() else [place]
+    return [file for file in files if file.parent != Path(__file__).parent]
 
 
 @cache
@@ -87,14 +89,14 @@ def cache_directory() -> Path | None:
 
 def _base() -> Path | None:
     """Return the user's folder for what can be made again; None where there is no home."""
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    if given:
-        return Path(given)
+    requested = os.environ.get("NUMBA_CACHE_DIR")
+    if requested:
+        return Path(requested)
     try:
-        found = user_cache_path("thermobearing", appauthor=False)
+        folder = user_cache_path("thermobearing", appauthor=False)
     except RuntimeError:
         return None
-    return found if found.is_absolute() else None
+    return folder if folder.is_absolute() else None
 
 
 def _has_room(folder: Path) -> bool:
@@ -105,6 +107,11 @@ def _has_room(folder: Path) -> bool:
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if _is_open_to_others(folder) and _is_own(folder):
+            # Whatever others could write is thrown away: everything in it can be made again. A
+            # folder of an earlier version, or of an umask of 002, would be refused for ever.
+            shutil.rmtree(folder)
+            folder.mkdir(mode=0o700)
         if _is_open_to_others(folder):
             warnings.warn(
                 f"The cache folder {folder} belongs to another user or can be written by others, "
@@ -121,9 +128,14 @@ def _has_room(folder: Path) -> bool:
     return True
 
 
+def _is_own(folder: Path) -> bool:
+    """Return whether a folder, and no link to one, belongs to this user."""
+    return not folder.is_symlink() and folder.stat().st_uid == os.getuid()
+
+
 def _is_open_to_others(folder: Path) -> bool:
     """Return whether somebody else could put code into the folder."""
     if not hasattr(os, "getuid"):
         return False
-    found = folder.stat()
-    return found.st_uid != os.getuid() or bool(found.st_mode & 0o022)
+    status = folder.stat()
+    return status.st_uid != os.getuid() or bool(status.st_mode & 0o022)

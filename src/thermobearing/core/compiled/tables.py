@@ -204,9 +204,9 @@ def load(context: Any, builder: Any, kind: Any, table: Any, slot: int) -> Any:
     Tables do not change while a kernel runs, so that a load may be moved or repeated.
     """
 
-    def number(at: int, wanted: Any = SLOT) -> Any:
+    def number(at: int, item_type: Any = SLOT) -> Any:
         place = builder.gep(table, [ir.Constant(SLOT, at)], inbounds=True)
-        loaded = builder.load(builder.bitcast(place, wanted.as_pointer()), align=BYTES)
+        loaded = builder.load(builder.bitcast(place, item_type.as_pointer()), align=BYTES)
         loaded.set_metadata("invariant.load", builder.module.add_metadata([]))
         return loaded
 

@@ -26,9 +26,9 @@ def _llvm(name: str) -> Callable[..., Any]:
 
     def code(builder: Any, *values: Any) -> Any:
         kind = values[0].type
-        wanted = ir.FunctionType(kind, [kind] * len(values))
+        function_type = ir.FunctionType(kind, [kind] * len(values))
         called = f"llvm.{name}.v{kind.count}f64"
-        function = cgutils.get_or_insert_function(builder.module, wanted, called)
+        function = cgutils.get_or_insert_function(builder.module, function_type, called)
         return builder.call(function, values)
 
     return code

@@ -16,13 +16,13 @@ from thermobearing.core.lanes.kinds import DOUBLE, PLACE, LaneType, MaskType, fi
 @type_callable(select)
 def _type_select(context: Any) -> Any:
     def typed(condition: Any, a: Any, b: Any) -> Any:
-        wide = first_type(LaneType, (a, b)) or first_type(MaskType, (a, b))
-        if wide is None and isinstance(condition, MaskType):
-            both = isinstance(a, types.Boolean) and isinstance(b, types.Boolean)
-            wide = (MaskType if both else LaneType)(condition.width)
-        kind = wide or context.unify_types(types.unliteral(a), types.unliteral(b))
-        asked = condition if isinstance(condition, MaskType) else types.boolean
-        return signature(kind, asked, kind, kind)
+        lane_type = first_type(LaneType, (a, b)) or first_type(MaskType, (a, b))
+        if lane_type is None and isinstance(condition, MaskType):
+            are_booleans = isinstance(a, types.Boolean) and isinstance(b, types.Boolean)
+            lane_type = (MaskType if are_booleans else LaneType)(condition.width)
+        kind = lane_type or context.unify_types(types.unliteral(a), types.unliteral(b))
+        condition_type = condition if isinstance(condition, MaskType) else types.boolean
+        return signature(kind, condition_type, kind, kind)
 
     return typed
 
@@ -54,7 +54,7 @@ def _not(_: Any, builder: Any, __: Any, values: Any) -> Any:
     return builder.not_(values[0])
 
 
-def _asked(function: Any, result: Any, of_mask: Any, of_bool: Any) -> None:
+def _define_mask_query(function: Any, result: Any, of_mask: Any, of_bool: Any) -> None:
     """A question to a mask, or to one bool."""
 
     def typed(_: Any) -> Any:
@@ -65,15 +65,15 @@ def _asked(function: Any, result: Any, of_mask: Any, of_bool: Any) -> None:
     lower_builtin(function, types.Boolean)(of_bool)
 
 
-_asked(any_lane, lambda _: types.boolean, _any, _same)
-_asked(all_lanes, lambda _: types.boolean, _all, _same)
-_asked(no, types.unliteral, _not, _not)
+_define_mask_query(any_lane, lambda _: types.boolean, _any, _same)
+_define_mask_query(all_lanes, lambda _: types.boolean, _all, _same)
+_define_mask_query(no, types.unliteral, _not, _not)
 
 
-def _typed_call(components: int, given: Any) -> Any:
-    wide = first_type(LaneType, given) or types.float64
-    found = types.UniTuple(wide, COMPONENTS[components])
-    return signature(found, types.int64, *[wide] * (len(given) - 1))
+def _typed_call(components: int, arguments: Any) -> Any:
+    number_type = first_type(LaneType, arguments) or types.float64
+    result_type = types.UniTuple(number_type, COMPONENTS[components])
+    return signature(result_type, types.int64, *[number_type] * (len(arguments) - 1))
 
 
 @type_callable(call_on_line)
@@ -98,21 +98,21 @@ def _lower_call(context: Any, builder: Any, sig: Any, values: Any) -> Any:
     address, *numbers = values
     kind, count = sig.return_type.dtype, sig.return_type.count
     room = cgutils.alloca_once(builder, DOUBLE, count)
-    wanted = ir.FunctionType(ir.VoidType(), [DOUBLE] * len(numbers) + [DOUBLE.as_pointer()])
-    function = builder.inttoptr(address, wanted.as_pointer())
+    function_type = ir.FunctionType(ir.VoidType(), [DOUBLE] * len(numbers) + [DOUBLE.as_pointer()])
+    function = builder.inttoptr(address, function_type.as_pointer())
 
-    def called(*given: Any) -> list[Any]:
-        builder.call(function, [*given, room])
+    def called(*arguments: Any) -> list[Any]:
+        builder.call(function, [*arguments, room])
         return [builder.load(cgutils.gep(builder, room, k)) for k in range(count)]
 
     if not isinstance(kind, LaneType):
         return context.make_tuple(builder, sig.return_type, called(*numbers))
-    found = [ir.Constant(context.get_value_type(kind), ir.Undefined)] * count
+    results = [ir.Constant(context.get_value_type(kind), ir.Undefined)] * count
     for lane in range(kind.width):
         place = ir.Constant(PLACE, lane)
-        each = called(*(builder.extract_element(one, place) for one in numbers))
-        found = [
-            builder.insert_element(joined, one, place)
-            for joined, one in zip(found, each, strict=True)
+        lane_results = called(*(builder.extract_element(number, place) for number in numbers))
+        results = [
+            builder.insert_element(joined, number, place)
+            for joined, number in zip(results, lane_results, strict=True)
         ]
-    return context.make_tuple(builder, sig.return_type, found)
+    return context.make_tuple(builder, sig.return_type, results)

@@ -63,17 +63,17 @@ def polynomial(coefficients: Sequence[float]) -> Any:
         def code(__: Any, builder: Any, ___: Any, values: Any) -> Any:
             vector = values[0].type
             constants = [
-                ir.Constant(vector, [ir.Constant(DOUBLE, c)] * vector.count) for c in turned
+                ir.Constant(vector, [ir.Constant(DOUBLE, c)] * vector.count) for c in highest_first
             ]
             total = constants[0]
-            for one in constants[1:]:
+            for coefficient in constants[1:]:
                 product = builder.fmul(total, values[0], flags=CONTRACT)
-                total = builder.fadd(product, one, flags=CONTRACT)
+                total = builder.fadd(product, coefficient, flags=CONTRACT)
             return total
 
         return signature(x, x), code
 
-    turned = list(reversed(coefficients))
+    highest_first = list(reversed(coefficients))
     return value
 
 
@@ -136,16 +136,18 @@ def powers(x: float) -> tuple[float, float]:
     shifted = x * LOG2_E + ROUNDER
     k = shifted - ROUNDER
     r = (x - k * LN_2_HIGH) - k * LN_2_LOW
-    one = select(x == x, 1.0, x)
-    return times_power(one, shifted), r + r * r * exp_rest(r)
+    # The last bits of NaN are no exponent: the factor makes the result NaN.
+    one_or_nan = select(x == x, 1.0, x)
+    return times_power(one_or_nan, shifted), r + r * r * exp_rest(r)
 
 
 @compiled
 def _lane_exp(x: float) -> float:
     """e^x."""
+    # Clamped, since larger exponents do not fit the bits; both ends are set below.
     inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
-    power, rest = powers(inside)
-    value = power + power * rest
+    power, remainder = powers(inside)
+    value = power + power * remainder
     return select(x < LEAST, 0.0, select(x > MOST, math.inf, value))
 
 
@@ -153,8 +155,8 @@ def _lane_exp(x: float) -> float:
 def _lane_expm1(x: float) -> float:
     """e^x - 1."""
     inside = select(x < LEAST, LEAST, select(x > MOST, MOST, x))
-    power, rest = powers(inside)
-    value = power * rest + (power - 1.0)
+    power, remainder = powers(inside)
+    value = power * remainder + (power - 1.0)
     return select(x > MOST, math.inf, value)
 
 
@@ -168,11 +170,12 @@ def _lane_tanh(x: float) -> float:
 @compiled
 def _lane_tan(x: float) -> float:
     """For x from 0 to pi/2."""
-    far = x > 0.25 * math.pi
-    y = select(far, (0.5 * math.pi - x) + HALF_PI_LOW, x)
+    # Beyond pi/4 by the complement, tan x = 1/tan(pi/2 - x), with pi/2 in two parts.
+    is_reflected = x > 0.25 * math.pi
+    y = select(is_reflected, (0.5 * math.pi - x) + HALF_PI_LOW, x)
     z = y * y
     above, below = y * tan_above(z), tan_below(z)
-    quotient: float = select(far, below, above) / select(far, above, below)
+    quotient: float = select(is_reflected, below, above) / select(is_reflected, above, below)
     return quotient
 
 
@@ -183,10 +186,10 @@ def _lane_atan(x: float) -> float:
     large, small = size > 1.0 / TAN_PI_8, size <= TAN_PI_8
     above = select(small, size, select(large, -1.0, size - 1.0))
     below = select(small, 1.0, select(large, size, size + 1.0))
-    turned = select(small, 0.0, select(large, 0.5 * math.pi, 0.25 * math.pi))
+    angle = select(small, 0.0, select(large, 0.5 * math.pi, 0.25 * math.pi))
     y = above / below
     z = y * y
-    return math.copysign(turned + y * (atan_above(z) / atan_below(z)), x)
+    return math.copysign(angle + y * (atan_above(z) / atan_below(z)), x)
 
 
 @compiled
@@ -195,18 +198,21 @@ def _lane_log(x: float) -> float:
     m, k = mantissa(x), exponent(x)
     s = (m - 1.0) / (m + 1.0)
     value = k * LN_2_HIGH + (2.0 * s * atanh_over(s * s) + k * LN_2_LOW)
-    found: float = select(x > 0.0, value, select(x == 0.0, -math.inf, math.nan))
-    return found
+    logarithm: float = select(x > 0.0, value, select(x == 0.0, -math.inf, math.nan))
+    return logarithm
 
 
 @compiled
 def _lane_atanh(x: float) -> float:
     """For |x| < 1."""
+    # The logarithm of nearly one loses the digits that the series keeps.
     small = abs(x) < 0.17
-    near = select(small, x, 0.0)
-    far = 0.5 * _lane_log((1.0 + x) / (1.0 - x))
-    found: float = select(small, near * atanh_over(near * near), far)
-    return found
+    series_argument = select(small, x, 0.0)
+    by_logarithm = 0.5 * _lane_log((1.0 + x) / (1.0 - x))
+    result: float = select(
+        small, series_argument * atanh_over(series_argument * series_argument), by_logarithm
+    )
+    return result
 
 
 @compiled
@@ -215,11 +221,11 @@ def _lane_power(x: float, y: float) -> float:
     return select(y == 0.0, 1.0, _lane_exp(y * _lane_log(x)))
 
 
-def _of_lanes(function: Callable[..., Any], ours: Any) -> None:
+def _of_lanes(function: Callable[..., Any], lane_function: Any) -> None:
     """Calls of a function with a lane are calls of ours."""
 
     def call(x: Any) -> Any:
-        return ours(x)
+        return lane_function(x)
 
     @overload(function, jit_options=OPTIONS)
     def _(x: Any) -> Any:

@@ -82,9 +82,9 @@ for number in (types.Float, types.Integer, types.Boolean):
 lower_cast(types.Boolean, MaskType)(_bool_to_mask)
 
 
-def first_type(kind: type, found: Sequence[Any]) -> Any:
+def first_type(kind: type, candidates: Sequence[Any]) -> Any:
     """The first type of a kind, None if there is none."""
-    return next((one for one in found if isinstance(one, kind)), None)
+    return next((candidate for candidate in candidates if isinstance(candidate, kind)), None)
 
 
 def define(
@@ -99,8 +99,8 @@ def define(
     Where one argument is a lane, the numbers passed with it become lanes.
     """
 
-    def typed(*found: Any) -> Any:
-        lane = first_type(kind, found)
+    def typed(*arguments: Any) -> Any:
+        lane = first_type(kind, arguments)
         return None if lane is None else signature(result(lane.width), *[lane] * count)
 
     def one(_: Any) -> Any:

@@ -24,6 +24,7 @@ def aligned(shape: tuple[int, ...], dtype: Any) -> Any:
     """An array of zeros that starts where vectors load fast."""
     size = math.prod(shape) * np.dtype(dtype).itemsize
     memory = np.zeros(size + ALIGNED, dtype=np.uint8)
+    # numpy need not align as much; a little more memory has such a place.
     first = -memory.ctypes.data % ALIGNED
     return memory[first : first + size].view(dtype).reshape(shape)
 
@@ -49,18 +50,18 @@ def _row_shape(row: np.dtype[Any]) -> tuple[int, ...]:
     return (row.itemsize // 8,) if row.names else ()
 
 
-def plain(own: Any) -> Any:
+def plain(array: Any) -> Any:
     """The floats of an array, those of a record along its last axis; not a copy."""
-    if not own.dtype.names:
-        return own
-    return own.reshape(-1).view(np.float64).reshape(*own.shape, *_row_shape(own.dtype))
+    if not array.dtype.names:
+        return array
+    return array.reshape(-1).view(np.float64).reshape(*array.shape, *_row_shape(array.dtype))
 
 
-def _remade(given: T, parts: Sequence[Any]) -> T:
+def _rebuilt(template: T, parts: Sequence[Any]) -> T:
     """A tuple of that kind with other parts."""
-    kind: Any = type(given)
-    made: T = kind(*parts) if hasattr(given, "_fields") else kind(parts)
-    return made
+    kind: Any = type(template)
+    rebuilt: T = kind(*parts) if hasattr(template, "_fields") else kind(parts)
+    return rebuilt
 
 
 def side_by_side(parts: Sequence[T]) -> T:
@@ -71,36 +72,37 @@ def side_by_side(parts: Sequence[T]) -> T:
     ValueError : they differ in shape, in an integer or in a choice.
     """
     first: Any = parts[0]
-    every: Sequence[Any] = parts
-    made: Any
+    runs: Sequence[Any] = parts
+    joined: Any
+    # Records recur down to floats and arrays; what kernels branch on must be alike in all runs.
     if isinstance(first, SharedCells):
-        if not all(alike(one, first) for one in every):
+        if not all(alike(run, first) for run in runs):
             raise ValueError("runs of unequal heat")
-        made = first
+        joined = first
     elif isinstance(first, tuple):
-        made = _remade(first, _columns_side_by_side(list(zip(*every, strict=True))))
+        joined = _rebuilt(first, _columns_side_by_side(list(zip(*runs, strict=True))))
     elif isinstance(first, float):
-        made = aligned((WIDTH,), np.float64)
-        made[:] = every
+        joined = aligned((WIDTH,), np.float64)
+        joined[:] = runs
     elif not isinstance(first, np.ndarray):
-        if any(one != first for one in every):
+        if any(run != first for run in runs):
             raise ValueError("runs of unequal shape")
-        made = first
+        joined = first
     elif _has_numbers(first.dtype):
-        made = aligned(first.shape, _lane_row(first.dtype))
+        joined = aligned(first.shape, _lane_row(first.dtype))
         for name in first.dtype.names:
-            made[name] = side_by_side([np.asarray(one[name]) for one in every])
+            joined[name] = side_by_side([np.asarray(run[name]) for run in runs])
     elif first.dtype.names or first.dtype == np.float64:
-        made = aligned((*first.shape, *_row_shape(first.dtype), WIDTH), np.float64)
-        spread(every, made)
+        joined = aligned((*first.shape, *_row_shape(first.dtype), WIDTH), np.float64)
+        spread(runs, joined)
         if first.dtype.names:
-            made = made.reshape(-1).view(_lane_row(first.dtype)).reshape(first.shape)
+            joined = joined.reshape(-1).view(_lane_row(first.dtype)).reshape(first.shape)
     else:
-        if not all(alike(one, first) for one in every):
+        if not all(alike(run, first) for run in runs):
             raise ValueError("runs of unequal shape")
-        made = first
-    found: T = made
-    return found
+        joined = first
+    result: T = joined
+    return result
 
 
 def _columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
@@ -109,62 +111,64 @@ def _columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
     block = aligned((len(numbers), WIDTH), np.float64)
     if numbers:
         block[:] = [columns[k] for k in numbers]
-    found = dict(zip(numbers, block, strict=True))
-    return [found[k] if k in found else side_by_side(one) for k, one in enumerate(columns)]
+    lanes = dict(zip(numbers, block, strict=True))
+    return [lanes[k] if k in lanes else side_by_side(values) for k, values in enumerate(columns)]
 
 
-def spread(every: Sequence[Any], made: Any) -> None:
+def spread(arrays: Sequence[Any], lanes: Any) -> None:
     """Write the floats of arrays of one shape into lanes; one array for all is spread at once."""
-    first = every[0]
-    if all(one is first for one in every):
-        made[...] = plain(first)[..., None]
+    first = arrays[0]
+    if all(array is first for array in arrays):
+        lanes[...] = plain(first)[..., None]
         return
     together = np.empty((WIDTH, *first.shape), first.dtype)  # np.stack changes records
-    for lane, one in enumerate(every):
-        if one.shape != first.shape:
+    for lane, array in enumerate(arrays):
+        if array.shape != first.shape:
             raise ValueError("runs of unequal shape")
-        together[lane] = one
-    made[...] = np.moveaxis(plain(together), 0, -1)
+        together[lane] = array
+    lanes[...] = np.moveaxis(plain(together), 0, -1)
 
 
-def alike(one: Any, other: Any) -> bool:
+def alike(first: Any, second: Any) -> bool:
     """Whether arrays, or tuples of them, are the same to the bit."""
-    if isinstance(one, tuple):
-        return all(map(alike, one, other))
-    same: bool = one is other or (one.shape == other.shape and one.tobytes() == other.tobytes())
+    if isinstance(first, tuple):
+        return all(map(alike, first, second))
+    same: bool = first is second or (
+        first.shape == second.shape and first.tobytes() == second.tobytes()
+    )
     return same
 
 
-def twin(made: T) -> T:
+def twin(joined: T) -> T:
     """Arrays of the same numbers as some of `side_by_side`."""
-    array: Any = made
-    if isinstance(made, tuple):
-        return _remade(made, [twin(one) for one in array])
-    other = aligned(array.shape, array.dtype)
-    other[...] = array
-    found: T = other
-    return found
+    array: Any = joined
+    if isinstance(joined, tuple):
+        return _rebuilt(joined, [twin(part) for part in array])
+    copy = aligned(array.shape, array.dtype)
+    copy[...] = array
+    result: T = copy
+    return result
 
 
-def each_lane(made: Any, like: T) -> list[T]:
-    """Return separate arrays with what every run has in `made`, of the given kinds."""
-    given: Any = like
+def each_lane(joined: Any, like: T) -> list[T]:
+    """Return separate arrays with what every run has in `joined`, of the given kinds."""
+    template: Any = like
     if isinstance(like, tuple):
-        parts = [each_lane(one, own) for one, own in zip(made, given, strict=True)]
-        return [_remade(like, one) for one in zip(*parts, strict=True)]
-    if not given.size:
+        columns = [each_lane(*pair) for pair in zip(joined, template, strict=True)]
+        return [_rebuilt(like, parts) for parts in zip(*columns, strict=True)]
+    if not template.size:
         return [like] * WIDTH
-    shape = (*given.shape, *_row_shape(given.dtype), WIDTH)
-    turned = np.ascontiguousarray(
-        np.moveaxis(made.reshape(-1).view(np.float64).reshape(shape), -1, 0)
+    shape = (*template.shape, *_row_shape(template.dtype), WIDTH)
+    lane_first = np.ascontiguousarray(
+        np.moveaxis(joined.reshape(-1).view(np.float64).reshape(shape), -1, 0)
     )
-    own: Any = turned.reshape(-1).view(given.dtype).reshape(WIDTH, *given.shape)
-    return list(own)
+    separate: Any = lane_first.reshape(-1).view(template.dtype).reshape(WIDTH, *template.shape)
+    return list(separate)
 
 
-def as_lanes(made: T, width: int) -> T:
+def as_lanes(joined: T, width: int) -> T:
     """What `side_by_side` made, with lanes of `width` runs in place of its last axes.
 
     Only compiled kernels can do that (views.py).
     """
-    raise NotImplementedError(f"{width} lanes of {type(made).__name__} outside a kernel")
+    raise NotImplementedError(f"{width} lanes of {type(joined).__name__} outside a kernel")

@@ -52,15 +52,15 @@ def lane_kind(kind: Any, width: int) -> Any:
         if getattr(kind, "instance_class", None) is SharedCells:
             return kind
         columns: Any = kind
-        inner = [lane_kind(one, width) for one in columns.types]
+        inner = [lane_kind(field, width) for field in columns.types]
         return types.BaseTuple.from_types(inner, getattr(kind, "instance_class", None))
     if hasattr(kind, "viewed"):  # a record in a table
-        return kind.viewed(lambda one: lane_kind(one, width))
+        return kind.viewed(lambda field: lane_kind(field, width))
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
         record = _viewed_record(
-            kind.dtype, lambda one: _nested(one.shape[:-1], LaneType(width)), aligned=False
+            kind.dtype, lambda field: _nested(field.shape[:-1], LaneType(width)), aligned=False
         )
         return types.Array(record, kind.ndim, kind.layout, aligned=False)
     if kind.dtype != types.float64:
@@ -81,22 +81,24 @@ def plane_kind(kind: Any, shape: tuple[int, ...] = ()) -> Any:
     """The type that `as_plane` gives to a record, or to an array whose last axes are `shape`."""
     if isinstance(kind, types.BaseTuple):
         columns: Any = kind
-        made = getattr(kind, "instance_class", None)
-        wide = vector_fields(made) if made else {}
+        record_class = getattr(kind, "instance_class", None)
+        vector_shapes = vector_fields(record_class) if record_class else {}
         names = getattr(kind, "fields", range(len(columns.types)))
         inner = [
-            plane_kind(one, wide.get(name, ()))
-            for name, one in zip(names, columns.types, strict=True)
+            plane_kind(field, vector_shapes.get(name, ()))
+            for name, field in zip(names, columns.types, strict=True)
         ]
-        return types.BaseTuple.from_types(inner, made)
+        return types.BaseTuple.from_types(inner, record_class)
     if hasattr(kind, "viewed"):
         return kind.viewed(plane_kind)
     if not isinstance(kind, types.Array):
         return kind
     if isinstance(kind.dtype, types.Record):
-        if not any(isinstance(one.type, types.NestedArray) for one in kind.dtype.fields.values()):
+        if not any(
+            isinstance(field.type, types.NestedArray) for field in kind.dtype.fields.values()
+        ):
             return kind
-        record = _viewed_record(kind.dtype, lambda one: _nested(one.shape), aligned=True)
+        record = _viewed_record(kind.dtype, lambda field: _nested(field.shape), aligned=True)
         return types.Array(record, kind.ndim, kind.layout)
     if not shape:
         return kind
@@ -114,8 +116,8 @@ def converted(context: Any, builder: Any, old: Any, value: Any, new: Any) -> Any
     if isinstance(old, types.BaseTuple):
         columns: Any = old
         parts = [
-            converted(context, builder, one, builder.extract_value(value, k), new.types[k])
-            for k, one in enumerate(columns.types)
+            converted(context, builder, field, builder.extract_value(value, k), new.types[k])
+            for k, field in enumerate(columns.types)
         ]
         return context.make_tuple(builder, new, parts)
     if not isinstance(old, types.Array):
@@ -124,30 +126,30 @@ def converted(context: Any, builder: Any, old: Any, value: Any, new: Any) -> Any
     if isinstance(new, LaneType):
         vector = ir.VectorType(DOUBLE, new.width).as_pointer()
         return builder.load(builder.bitcast(array.data, vector), align=BYTES)
-    made = context.make_array(new)(context, builder)
+    viewed = context.make_array(new)(context, builder)
     itemsize = array.itemsize
     if not isinstance(new.dtype, types.Record):
         size = context.get_abi_sizeof(context.get_data_type(new.dtype))
         itemsize = context.get_constant(types.intp, size)
     arrayobj.populate_array(
-        made,
+        viewed,
         data=builder.bitcast(array.data, context.get_data_type(new.dtype).as_pointer()),
         shape=cgutils.unpack_tuple(builder, array.shape, old.ndim)[: new.ndim],
         strides=cgutils.unpack_tuple(builder, array.strides, old.ndim)[: new.ndim],
         itemsize=itemsize,
         meminfo=None,
     )
-    return made._getvalue()
+    return viewed._getvalue()
 
 
-def _as_lanes(_: Any, made: Any, width: Any) -> Any:
-    wide = width.literal_value
+def _as_lanes(_: Any, joined: Any, width: Any) -> Any:
+    lane_count = width.literal_value
 
     def code(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = signature.args[0]
-        return converted(context, builder, kind, values[0], lane_kind(kind, wide))
+        return converted(context, builder, kind, values[0], lane_kind(kind, lane_count))
 
-    return lane_kind(made, wide)(made, width), code
+    return lane_kind(joined, lane_count)(joined, width), code
 
 
 def _as_plane(_: Any, record: Any) -> Any:

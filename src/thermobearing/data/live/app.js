@@ -1,8 +1,7 @@
 // The live page: a state, what the engine computes from it, and the views that show it.
 import { createEngine, unpacked } from "./engine.js";
-import { Chart, drawLines, drawStack, fillTable, fixed, put, short } from "./draw.js";
+import { Chart, drawLines, drawStack, fillTable, fixed, partsOf, put, short } from "./draw.js";
 
-const REFERENCE = 23; // [degC], of most published factors
 const MOST_CYCLES = 100; // and steps that are computed while a slider moves
 const MOST_STEPS = 400_000;
 const DT = 0.005; // the largest step of a test [s], as in Python
@@ -18,8 +17,8 @@ function t(key, values = {}) {
 }
 
 const state = {
-  view: "test", base: page.start, ambient: -20, reference: REFERENCE, protocol: "cycles",
-  strain: 1.75, frequency: 0.5, count: 3, wave: "sine", motion: "", changes: {},
+  view: "test", base: page.start, ambient: -20, protocol: "cycles", ...page.defaults, wave: "sine",
+  motion: "", changes: {},
 };
 const FIELDS = { // of the state; factor from the shown number to the number of the file
   strain: { path: "strain", factor: 0.01 }, frequency: { path: "frequency", factor: 1 },
@@ -31,8 +30,8 @@ let dropped = null; // a motion of the user
 let runs = null; // {cold, warm} of the test
 let shaken = null; // the same of the bridge
 // Results at the reference temperature and those of the codes, by what they were computed from.
-const MOST_KEPT = { test: 4, bridge: 2, codes: 100 };
-const kept = { test: new Map(), bridge: new Map(), codes: new Map() };
+const MOST_KEPT = { test: 4, bridge: 2, codes: 100, fit: 20 };
+const kept = { test: new Map(), bridge: new Map(), codes: new Map(), fit: new Map() };
 const charts = {};
 
 // The state in the address.
@@ -147,9 +146,27 @@ function computeBridge() {
   return { cold, warm, ms };
 }
 
+/** The strain of the bearing in the bridge at the reference of the page and under its first motion. */
+const strainInBridge = () => once("fit", 0, () =>
+  engine.bridge({ bearing, ambient: page.defaults.reference, motion: page.motions[0] }).peaks.bearing_strain);
+const fitsBridge = () => strainInBridge() <= page.fitting.strain;
+/** Hide the view of the bridge, with the reason, for a bearing that is too small for it. */
+function showFit() {
+  const fits = fitsBridge();
+  el("tab-bridge").hidden = el("save-bridge").hidden = !fits;
+  el("unfit").hidden = fits;
+  el("unfit").textContent = fits ? "" : t("unfit", {
+    name: state.base, t: degrees(page.defaults.reference), motion: page.motions[0], s: short(100 * strainInBridge()),
+    limit: short(100 * page.fitting.strain), code: page.fitting.code, start: page.fitting.bearing,
+  });
+  if (!fits && state.view === "bridge") showView("test");
+}
+
 // Sentences on a run.
 
 const degrees = (value) => short(value, 3);
+/** Words with a duration; none with one that the clock of the browser may be too coarse for. */
+const timed = (ms, key, without, values = {}) => (ms < 1 ? (without ? t(without, values) : "") : t(key, { ...values, ms: short(ms, 2) }));
 const largest = (values) => values.reduce((most, value) => Math.max(most, value), -Infinity);
 const smallest = (values) => values.reduce((least, value) => Math.min(least, value), Infinity);
 
@@ -201,7 +218,8 @@ function outside(asked) {
     if (!asked[what] || !range) continue;
     const [low, high] = range;
     const [factor, unit] = UNITS[what];
-    const slack = what === "law" ? page.law_slack : page.slack * Math.max(high - low, Math.abs(high));
+    const least_slack = unit === " °C" ? page.slack_kelvin : 0;
+    const slack = what === "law" ? least_slack : Math.max(page.slack * Math.max(high - low, Math.abs(high)), least_slack);
     const [least, most] = asked[what];
     const far = most > high + slack ? most : least < low - slack ? least : null;
     if (far !== null) found.push(t("outside", { what: t(`what_${what}`), value: short(far * factor), unit, low: short(low * factor), high: short(high * factor) }));
@@ -279,6 +297,21 @@ function showCycles() {
   });
   el("cycles-caption").textContent = t("each_cycle", { t: degrees(state.ambient), r: degrees(state.reference) });
   fillTable(el("cycles"), heads, rows);
+  showMainNumbers(Math.min(cold.cycles.length, warm.cycles.length));
+}
+/** The measures of the last cycle in rows, which fit the width of a phone. @param {number} count */
+function showMainNumbers(count) {
+  const ends = [runs.cold, runs.warm].map((run) => run.cycles[count - 1]);
+  el("main-caption").textContent = count ? t("main_numbers", { n: count }) : "";
+  const numbers = count ? COLUMNS.map(([name, symbol, unit, factor]) => {
+    const [cold, warm] = ends.map((cycle) => factor * cycle[name]);
+    return [`${symbol === "energy" ? t("energy") : symbol} [${unit}]`, fixed(cold), fixed(warm), fixed(cold / warm)];
+  }) : [];
+  const temperatures = count ? [[t("rubber"), (cycle) => largest(cycle.layer_temperature)], [t("lead"), (cycle) => cycle.lead_temperature]]
+    .filter(([, of]) => Number.isFinite(of(ends[0])))
+    .map(([name, of]) => [`${name} [°C]`, ...ends.map((cycle) => short(of(cycle))), ""]) : [];
+  const heads = [t("quantity"), t("at", { t: degrees(state.ambient) }), t("at", { t: degrees(state.reference) }), t("ratio")];
+  fillTable(el("main-numbers"), heads, [...numbers, ...temperatures]);
 }
 
 // Charts.
@@ -346,6 +379,15 @@ const profileLine = (run) => {
   return { x, y };
 };
 
+/** Heights of the rubber layers and of the steel between them, with their names for the legend. */
+function layerBands() {
+  const cells = cellsAt(runs.cold, 0);
+  const height = cells.reduce((sum, cell) => sum + cell.thickness, 0);
+  return partsOf(cells).map(({ part, depth, thickness }) =>
+    ({ part, low: height - depth - thickness, high: height - depth, name: partNames()[part] }));
+}
+const partNames = () => ({ rubber: t("rubber_part"), steel: t("steel") });
+
 const MAKERS = {
   loops: (colours) => ({ x: t("displacement_axis"), y: t("force_axis"), lines: pairOfLines(colours, (run) => run.displacement, (run) => run.force) }),
   warming: (colours) => ({ x: t("time_axis"), y: t("temperature_axis"), lines: layerLines(colours) }),
@@ -353,7 +395,7 @@ const MAKERS = {
     const ends = [runs.cold, runs.warm].map(scaleOf);
     const room = (Math.max(ends[0][1], ends[1][1]) - Math.min(ends[0][0], ends[1][0])) * 0.05;
     return {
-      x: t("temperature_axis"), y: t("height_axis"),
+      x: t("temperature_axis"), y: t("height_axis"), bands: layerBands(),
       xrange: [Math.min(ends[0][0], ends[1][0]) - room, Math.max(ends[0][1], ends[1][1]) + room],
       lines: [
         { ...profileLine(runs.warm), colour: colours.warm, dash: DASH, name: t("at", { t: degrees(state.reference) }) },
@@ -371,7 +413,7 @@ const MAKERS = {
       ? { diameter: values["lead.diameter"], inPlan: Math.max(1, Math.round(Math.sqrt(cores))), temperature: runs.cold.lead[at], cover: values["geometry.end_plate_thickness"] ?? 0 }
       : null;
     const [low, high] = scaleOf(runs.cold);
-    return { cells, breadth, lead, scale: [low, lead ? Math.max(high, largest(runs.cold.lead)) : high] };
+    return { cells, breadth, lead, names: partNames(), scale: [low, lead ? Math.max(high, largest(runs.cold.lead)) : high] };
   },
   bridge_strain: (colours) => ({ x: t("time_axis"), y: t("strain_axis"), lines: pairOfLines(colours, (run) => run.time, (run) => run.bearing.strain.map((value) => 100 * value)) }),
   bridge_force: (colours) => ({ x: t("displacement_axis"), y: t("force_axis"), lines: pairOfLines(colours, (run) => run.bearing.displacement_mm, (run) => run.bearing.force_kN).map((line) => ({ ...line, width: 1.1 })) }),
@@ -400,7 +442,7 @@ function showTest() {
   describe(["loops", "warming", "stack", "profile"]);
   showCycles();
   showMoment();
-  el("speed").textContent = t("computed", { n: cold.steps, ms: short(ms, 2) }) + (rate ? t("redraws", { fps: short(rate, 2) }) : "");
+  el("speed").textContent = timed(ms, "computed", "computed_at_once", { n: cold.steps }) + (rate ? t("redraws", { fps: short(rate, 2) }) : "");
 }
 function showMoment() {
   const run = runs.cold;
@@ -409,12 +451,16 @@ function showMoment() {
   el("moment").setAttribute("aria-valuetext", words);
 }
 
-const PEAKS = { bearing_strain: 100, bearing_displacement_mm: 1, bearing_force_kN: 1, pier_ductility: 1, pier_displacement_mm: 1, layer_temperature_degC: 1, lead_temperature_degC: 1 };
+const PEAKS = { bearing_strain: 100, bearing_displacement_mm: 1, bearing_force_kN: 1, pier_moment_kN_m: 1, pier_ductility: 1, pier_displacement_mm: 1, layer_temperature_degC: 1, lead_temperature_degC: 1 };
 function showBridge() {
   shaken = computeBridge();
   const { cold, warm, ms } = shaken;
   const values = { t: degrees(state.ambient), r: degrees(state.reference) };
-  const lines = [t("bridge_words", { ...values, s: short(100 * cold.peaks.bearing_strain), sr: short(100 * warm.peaks.bearing_strain), d: short(cold.peaks.pier_ductility), dr: short(warm.peaks.pier_ductility) })];
+  const [moment, reference] = [cold, warm].map((run) => run.peaks.pier_moment_kN_m);
+  const change = Math.round(100 * (moment / reference - 1));
+  const key = change > 0 ? "pier_more" : change < 0 ? "pier_less" : "pier_same";
+  const pier = Number.isFinite(change) ? [t(key, { ...values, p: Math.abs(change), m: short(moment), mr: short(reference) })] : [];
+  const lines = [...pier, t("bridge_words", { ...values, s: short(100 * cold.peaks.bearing_strain), sr: short(100 * warm.peaks.bearing_strain), d: short(cold.peaks.pier_ductility), dr: short(warm.peaks.pier_ductility) })];
   const warnings = [];
   for (const [run, temperature] of [[cold, state.ambient], [warm, state.reference]])
     if (run.outcome !== "completed") warnings.push(`${t("at", { t: degrees(temperature) })}: ${outcomeWords(run)}`);
@@ -431,7 +477,7 @@ function showBridge() {
     return [t(name), fixed(a), fixed(b), name.endsWith("degC") ? "" : fixed(a / b)];
   });
   fillTable(el("peaks"), [t("quantity"), t("at", { t: values.t }), t("at", { t: values.r }), t("ratio")], rows);
-  el("bridge-time").textContent = t("run_time", { ms: short(ms, 2) });
+  el("bridge-time").textContent = timed(ms, "run_time", "");
 }
 
 const NAMES = { K_eq: "stiffness_kN_mm", Q_d: "characteristic_strength_kN", K_d: "post_yield_stiffness_kN_mm", h_eq: "h_eq" };
@@ -535,8 +581,8 @@ function showExport() {
   const cycles = state.protocol === "cycles";
   const strains = cycles ? [state.strain] : stepsOfProtocol().flatMap(({ strain }) => strain ?? []);
   const words = `${strains.map((strain) => ` --strain ${strain}`).join("")} --wave ${waveName()}` + (cycles ? ` --frequency ${state.frequency} --cycles ${state.count}` : "");
-  el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words} -o test\n` +
-    `thermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference} -o bridge`;
+  el("command-text").textContent = `thermobearing cyclic --bearing ${fileOfBearing()} --ambient ${state.ambient} --ambient ${state.reference}${words} -o test` +
+    (!fitsBridge() ? "" : `\nthermobearing bridge --bearing ${fileOfBearing()} --motion ${dropped?.name ?? state.motion} --ambient ${state.ambient} --ambient ${state.reference} -o bridge`);
   const values = cycles ? `strain=${state.strain}, frequency=${state.frequency}, cycles=${state.count}, closing_strain=None, ` : "";
   const test = `, tb.cyclic_test(${values}wave="${waveName()}")`;
   el("python-text").textContent = `import thermobearing as tb\n\nbearing = tb.load_bearing("${fileOfBearing()}")\nresult = tb.run(bearing${test}, ambient=[${state.ambient}, ${state.reference}])\nprint(result.cycles)`;
@@ -618,15 +664,15 @@ function answerOfCodes() {
 }
 
 function showView(view) {
-  state.view = view;
+  state.view = view === "bridge" && !fitsBridge() ? "test" : view;
   for (const tab of document.querySelectorAll("[role=tab]")) {
-    const chosen = /** @type {HTMLElement} */ (tab).dataset.view === view;
+    const chosen = /** @type {HTMLElement} */ (tab).dataset.view === state.view;
     tab.setAttribute("aria-selected", String(chosen));
     tab.setAttribute("tabindex", chosen ? "0" : "-1");
   }
-  el("results").setAttribute("aria-labelledby", `tab-${view}`);
+  el("results").setAttribute("aria-labelledby", `tab-${state.view}`);
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-views]")))
-    part.hidden = !part.dataset.views?.split(" ").includes(view);
+    part.hidden = !part.dataset.views?.split(" ").includes(state.view);
   update();
 }
 
@@ -653,10 +699,8 @@ function showControls() {
   for (const name of ["strain", "frequency", "count"]) el(name).disabled = state.protocol !== "cycles";
 }
 
-function nameOf({ name, kind, plan, values }) {
-  const sizes = plan.sizes.map((size) => g(values[size])).join(" × ");
-  return `${name} (${kind}, ${plan.shape === "circular" ? "⌀ " : ""}${sizes} mm)`;
-}
+const planOf = ({ plan, values }) => `${plan.shape === "circular" ? "⌀ " : ""}${plan.sizes.map((size) => g(values[size])).join(" × ")}`;
+const nameOf = (one) => `${one.name} (${one.kind}, ${planOf(one)} mm)`;
 /** The fields of sizes and parameters of the bearing that is shown. */
 function showSizes() {
   for (const option of el("base").options) option.text = nameOf(option.value === state.base ? bearing : engine.library[option.value]);
@@ -680,6 +724,14 @@ function showSizes() {
     box.append(label, input, error);
     form.append(box);
   }
+  const { values } = bearing;
+  const cores = values["lead.cores"] ?? 0;
+  el("bearing-facts").textContent = t("whole", {
+    name: bearing.name, kind: bearing.kind, sizes: planOf(bearing), layers: values["geometry.rubber_layers"],
+    thickness: g(values["geometry.rubber_thickness"]), rubber: short(bearing.rubber_thickness_mm),
+    lead: cores ? t("whole_lead", { cores, diameter: g(values["lead.diameter"]) }) : "",
+  });
+  showFit();
   el("facts").textContent = t("facts", { kind: bearing.kind, layers: bearing.values["geometry.rubber_layers"], rubber: short(bearing.rubber_thickness_mm), area: short(bearing.area_mm2 / 100, 4) }) + (bearing.description && !isChanged() ? ` – ${bearing.description}` : "");
 }
 /** Numbers that follow the sizes, so that the compound stays the same (rules: bearing/scaling.py). */
@@ -797,12 +849,13 @@ function listen() {
   el("reset").addEventListener("click", () => { chooseBearing(); update(); });
   el("sizes").addEventListener("submit", (event) => event.preventDefault());
   const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[role=tab]")]);
-  for (const [at, tab] of tabs.entries()) {
+  for (const tab of tabs) {
     tab.addEventListener("click", () => showView(tab.dataset.view));
     tab.addEventListener("keydown", (event) => {
       const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
       if (!way) return;
-      const next = tabs[(at + way + tabs.length) % tabs.length];
+      const shown = tabs.filter((one) => !one.hidden);
+      const next = shown[(shown.indexOf(tab) + way + shown.length) % shown.length];
       next.focus();
       next.click();
     });

@@ -4,7 +4,8 @@
 /** @typedef {{x: ArrayLike<number>, y: ArrayLike<number>, colour: string, dash?: number[],
  *    width?: number, name?: string, points?: boolean}} Line */
 /** @typedef {{lines: Line[], x: string, y: string, xrange?: [number, number],
- *    yrange?: [number, number], note?: string, mark?: number}} Spec */
+ *    yrange?: [number, number], note?: string, mark?: number,
+ *    bands?: {part: string, low: number, high: number, name: string}[]}} Spec */
 
 const FONT = 'system-ui, "Segoe UI", Roboto, "Noto Sans", "Noto Sans CJK JP", Arial, sans-serif';
 
@@ -164,12 +165,26 @@ export function drawLines(pen, [width, height], spec, colours) {
     legend.push([line, left + across, 10 + 18 * row]);
     across += room;
   }
+  // Then the names of the bands, each once, with a box in its colour.
+  const bands = spec.bands ?? [];
+  const tint = { rubber: colours.line, steel: colours.paper };
+  const boxes = [];
+  for (const band of bands.filter(({ part }, at) => bands.findIndex((one) => one.part === part) === at)) {
+    const room = 44 + pen.measureText(band.name).width;
+    if (across && across + room > width - left) [across, row] = [0, row + 1];
+    boxes.push([band, left + across, 10 + 18 * row]);
+    across += room;
+  }
   const top = 8 + (legend.length ? (row + 1) * 18 : 0);
   const box = { x: left, y: top, w: width - left - right, h: height - top - bottom };
   const xr = spec.xrange ?? extent(spec.lines.map((line) => line.x));
   const yr = spec.yrange ?? extent(spec.lines.map((line) => line.y));
   const px = (value) => box.x + ((value - xr[0]) / (xr[1] - xr[0])) * box.w;
   const py = (value) => box.y + box.h - ((value - yr[0]) / (yr[1] - yr[0])) * box.h;
+  for (const { part, low, high } of bands) {
+    pen.fillStyle = tint[part];
+    pen.fillRect(box.x, py(high), box.w, py(low) - py(high));
+  }
   pen.lineWidth = 0.7;
   pen.strokeStyle = colours.line;
   pen.fillStyle = colours.ink;
@@ -240,6 +255,31 @@ export function drawLines(pen, [width, height], spec, colours) {
     pen.fillStyle = colours.ink;
     pen.fillText(line.name, x + 28, y);
   }
+  pen.lineWidth = 0.8;
+  pen.strokeStyle = colours.quiet;
+  for (const [{ part, name }, x, y] of boxes) {
+    pen.fillStyle = tint[part];
+    pen.fillRect(x, y - 6, 22, 12);
+    pen.strokeRect(x, y - 6, 22, 12);
+    pen.fillStyle = colours.ink;
+    pen.fillText(name, x + 28, y);
+  }
+}
+
+/** Rubber layers and the steel between them, from the top: depth, thickness and temperature in the middle. */
+export function partsOf(cells) {
+  /** @type {{part: string, depth: number, thickness: number, temperatures: number[]}[]} */
+  const parts = [];
+  let depth = 0;
+  for (const { material, thickness, temperature } of cells) {
+    const part = material === "rubber" ? "rubber" : "steel";
+    let last = parts.at(-1);
+    if (last?.part !== part) parts.push(last = { part, depth, thickness: 0, temperatures: [] });
+    last.thickness += thickness;
+    last.temperatures.push(temperature);
+    depth += thickness;
+  }
+  return parts.map(({ temperatures, ...one }) => ({ ...one, temperature: temperatures[temperatures.length >> 1] }));
 }
 
 /** Draw the stack of a bearing to scale, its parts in the colours of their temperatures.
@@ -269,6 +309,15 @@ export function drawStack(pen, [width, height], spec, colours) {
       pen.fillRect(middle + w / 2, y, 3, h + 0.4);
     }
     y += h;
+  }
+  // The first part of each kind that is thick enough for it has its name.
+  pen.textAlign = "left";
+  pen.textBaseline = "middle";
+  for (const kind of ["rubber", "steel"]) {
+    const roomy = partsOf(spec.cells).find((one) => one.part === kind && factor * one.thickness >= 13);
+    if (!roomy) continue;
+    pen.fillStyle = roomy.temperature > (low + high) / 2 ? "#000" : "#fff";
+    pen.fillText(spec.names[kind], middle - (factor * spec.breadth) / 2 + 8, start + factor * (roomy.depth + roomy.thickness / 2));
   }
   if (spec.lead) {
     const across = spec.lead.inPlan;

@@ -55,7 +55,8 @@ function outside(live) {
   const ranges = engine.library[now.run.bearing].tested_range ?? {};
   const asked = { "ambient temperature": [now.ambient, ranges.ambient, celsius], "shear strain": [largest(live.x) / 100, ranges.strain, percent] };
   return Object.entries(asked).flatMap(([what, [value, range, words]]) => {
-    const slack = range ? given.slack * Math.max(range[1] - range[0], Math.abs(range[1])) : 0;
+    const least = what === "ambient temperature" ? given.slack_kelvin : 0;
+    const slack = range ? Math.max(given.slack * Math.max(range[1] - range[0], Math.abs(range[1])), least) : 0;
     const beyond = range && (value > range[1] + slack || (what !== "shear strain" && value < range[0] - slack));
     return beyond ? [`The ${what} of ${words(value)} is outside the calibration range, ${words(range[0])} to ${words(range[1])}.`] : [];
   });

@@ -79,6 +79,10 @@
       return this.data.choices[this.menu ? this.menu.selectedIndex : 0];
     }
 
+    get titles() {
+      return this.data.titles[this.menu ? this.menu.selectedIndex : 0];
+    }
+
     // Of a trace with frames: the numbers of the place where the slider stands.
     values(trace, axis) {
       const frames = trace[`frames_${axis}`];
@@ -223,7 +227,8 @@
       }
       const below = `translate(${(this.left + right) / 2} ${bottom + 38})`;
       const beside = `translate(15 ${(this.top + bottom) / 2}) rotate(-90)`;
-      for (const [transform, words] of [[below, this.data.x_title], [beside, this.data.y_title]])
+      const [across, up] = this.titles;
+      for (const [transform, words] of [[below, across], [beside, up]])
         add(this.svg, "text", { ...center, class: "axis-title", transform }, words);
     }
 
@@ -268,7 +273,7 @@
       const { name, x, y } = this.div.data[trace];
       const [px, py] = [this.at("x", x[point]), this.at("y", y[point])];
       this.mark.setAttribute("transform", `translate(${px} ${py})`);
-      const { x_title: across, y_title: up } = this.data;
+      const [across, up] = this.titles;
       const values = [`${across}: ${number(x[point])}`, `${up}: ${number(y[point])}`];
       const words = [name, ...values].filter(Boolean);
       this.label = add(this.sheet, "div", { class: "values" }, words.join("\n"));

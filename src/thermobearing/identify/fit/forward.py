@@ -18,6 +18,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
+from thermobearing.cyclic.conditioning import soaked_start
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
@@ -54,36 +55,42 @@ class _Grid(NamedTuple):
 def _nodes(time: Floats, x: Floats, fine: bool) -> Ints:
     """Return the samples where steps end: all but jitter, or turns and ever sparser after."""
     band, peak = dead_band(x), float(np.abs(x).max())
+    # Without noise every sample is motion. With noise, a step shorter than the dead band would
+    # move the model by jitter alone.
     if fine and band <= 0.0:
         return np.arange(len(x))
     if fine:
         return _along(time, x, turning_points(x, band), np.arange(band, 2.2 * peak, band))
-    ways = [0.0]
-    while ways[-1] < 2.2 * peak:
-        step = min(max(FIRST_STEP * peak, GROWTH * ways[-1]), LONGEST_STEP * peak)
-        ways.append(ways[-1] + step)
-    return _along(time, x, turning_points(x, max(TURN * peak, band)), np.array(ways[1:]))
+    # Steps grow in proportion to the distance since the turn: the loop is steep there, and ever
+    # flatter along the leg. A leg from one side to the other is at most 2 peaks long; 2.2 is safe.
+    distances = [0.0]
+    while distances[-1] < 2.2 * peak:
+        step = min(max(FIRST_STEP * peak, GROWTH * distances[-1]), LONGEST_STEP * peak)
+        distances.append(distances[-1] + step)
+    return _along(time, x, turning_points(x, max(TURN * peak, band)), np.array(distances[1:]))
 
 
-def _along(time: Floats, x: Floats, turns: Ints, ways: Floats) -> Ints:
-    """Return turns, the samples where a leg first passes each of the ways, and ends of gaps."""
+def _along(time: Floats, x: Floats, turns: Ints, distances: Floats) -> Ints:
+    """Return turns, samples where a leg first passes each distance, and ends of gaps."""
     nodes = [turns]
     for a, b in pairwise(turns.tolist()):
-        way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
-        nodes.append(a + np.searchsorted(way, ways[ways < way[-1]]))
+        travel = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
+        nodes.append(a + np.searchsorted(travel, distances[distances < travel[-1]]))
+    # Both ends of a gap are nodes, so that a rest is a step of its own and can be divided.
     gaps = np.flatnonzero(np.diff(time) > PAUSE)
     return np.unique(np.concatenate([*nodes, gaps, gaps + 1])).astype(np.int64)
 
 
 def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
     """Return growing steps that fill a pause [s], continuing those of a pause `before` it."""
-    sizes, left = [], duration
+    sizes, remaining = [], duration
     size = min(max(PAUSE_FIRST, before), duration)
-    while left > 0.0:
-        if left < 1.5 * size:
-            size = left
+    while remaining > 0.0:
+        # The last step takes what is left, so that no sliver of a step follows it.
+        if remaining < 1.5 * size:
+            size = remaining
         sizes.append(size)
-        left -= size
+        remaining -= size
         size = min(size * growth, max(size, duration / steps))
     return np.array(sizes)
 
@@ -93,13 +100,14 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     time, x = record.time, record.displacement
     nodes = _nodes(time, x, fine)
     growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
-    still = max(TURN * record.peak_displacement, dead_band(x))
-    usual = float(np.median(np.diff(time)))
-    xs, dts = [x[:1]], [np.array([usual])]
+    rest_motion = max(TURN * record.peak_displacement, dead_band(x))
+    usual_gap = float(np.median(np.diff(time)))
+    xs, dts = [x[:1]], [np.array([usual_gap])]
     gaps, moves = np.diff(time[nodes]), np.diff(x[nodes])
     counts = np.ones(len(gaps), dtype=np.int64)
     first = 0
-    for k in np.flatnonzero((gaps > PAUSE) & (np.abs(moves) <= still)).tolist():
+    # Only a gap without motion is a rest: cooling is fast at first, so that its steps grow.
+    for k in np.flatnonzero((gaps > PAUSE) & (np.abs(moves) <= rest_motion)).tolist():
         sizes = _pause(float(gaps[k]), float(gaps[k - 1]) if k else 0.0, growth, steps)
         counts[k] = len(sizes)
         xs += [x[nodes[first + 1 : k + 1]], np.full(len(sizes), x[nodes[k + 1]])]
@@ -108,12 +116,15 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     xs.append(x[nodes[first + 1 :]])
     dts.append(gaps[first:])
     row_ends = 1 + np.concatenate([[0], np.cumsum(counts)])
+    # Each sample lies between two nodes. Its force is interpolated along the displacement, with
+    # which the force varies; where that hardly moves, along time.
     place = np.clip(np.searchsorted(nodes, np.arange(len(x)), side="right") - 1, 0, len(nodes) - 2)
     a, b = nodes[place], nodes[place + 1]
-    way, span = x - x[a], x[b] - x[a]
+    travel, span = x - x[a], x[b] - x[a]
     by_time = (time - time[a]) / (time[b] - time[a])
+    # A span of nearly zero would divide by rounding.
     moved = np.abs(span) > 0.1 * FIRST_STEP * record.peak_displacement
-    part = np.where(moved, way / np.where(moved, span, 1.0), by_time)
+    part = np.where(moved, travel / np.where(moved, span, 1.0), by_time)
     return _Grid(
         x=np.concatenate(xs),
         dt=np.concatenate(dts),
@@ -127,7 +138,8 @@ class ForwardModel:
     """The model of one record, for many bearings that differ in parameters only.
 
     It steps at every sample if `fine`; else fine at turns and coarse along legs, some five times
-    faster. `ambient` replaces the record's temperature [degC], `options` the default model.
+    faster. `ambient`, at which the bearing is cold or warm throughout, replaces the record's
+    temperature [degC], `options` the default model.
     """
 
     def __init__(
@@ -145,9 +157,10 @@ class ForwardModel:
         self._grid = grid = _grid(record, fine)
         no_turns, cycle = np.zeros(len(grid.x), dtype=bool), np.zeros(len(grid.x), dtype=np.int32)
         self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
-        at = record.ambient if ambient is None else ambient
-        self._ambient = Ambient.constant(at)
-        self._initial = np.full(len(self._constants.cells.capacity), at + record.start_offset)
+        self._chamber = record.ambient if ambient is None else ambient
+        self._conditioning = record.conditioning if ambient is None else None
+        self._ambient = Ambient.constant(self._chamber)
+        self._initial, self._initial_lead = self._start(bearing)
         self._groups = ("rubber",) if record.places else ()
         self._layers = self._thermocouples(bearing)
         self.ended = ""  # outcome of the last run
@@ -157,22 +170,37 @@ class ForwardModel:
         forward = copy(self)
         model = build_model(bearing, self._options, backbone=bilinear_parameters)
         forward._stack, forward._constants = model.stack, model.constants
+        forward._initial, forward._initial_lead = forward._start(bearing)
         return forward
+
+    def _start(self, bearing: Bearing) -> tuple[Floats, float | None]:
+        """Return the temperatures of cells and lead when the test begins [degC]."""
+        offset = self.record.start_offset
+        # No soaking is computed: all cells start at the temperature of the chamber.
+        if self._conditioning is None:
+            count = len(self._constants.cells.capacity)
+            return np.full(count, self._chamber + offset), None
+        try:
+            start = soaked_start(bearing, self._conditioning, self._chamber, self._options)
+        except InputError as error:
+            raise error.located(self.record.file or self.record.name) from None
+        return start.temperature + offset, None if start.lead is None else start.lead + offset
 
     def _thermocouples(self, bearing: Bearing) -> dict[str, int | None]:
         """Return the modelled layer of each thermocouple, from the outside; None in lead."""
-        found: dict[str, int | None] = {}
+        layers: dict[str, int | None] = {}
         for title, place in self.record.places.items():
             if place == "lead":
                 if bearing.lead is None:
                     raise InputError(f"thermocouples.{title}: the bearing has no lead")
-                found[title] = None
+                layers[title] = None
                 continue
+            # The half stack is modelled: a layer and its mirror image have the same temperature.
             layer, count = int(place.split()[1]), bearing.geometry.rubber_layers
             if layer > count:
                 raise InputError(f"thermocouples.{title}: the bearing has {count} rubber layers")
-            found[title] = min(layer, count + 1 - layer) - 1
-        return found
+            layers[title] = min(layer, count + 1 - layer) - 1
+        return layers
 
     def run(self, bearing: Bearing | None = None) -> Prediction | None:
         """Run the model's bearing, or one with other parameters; None if it ends early."""
@@ -184,21 +212,27 @@ class ForwardModel:
                 self.ended = str(error)
                 return None
         history = run_segments(
-            constants, [self._segment], self._ambient, self._initial, groups=self._groups
+            constants,
+            [self._segment],
+            self._ambient,
+            self._initial,
+            initial_lead=self._initial_lead,
+            groups=self._groups,
         )
+        # Ctrl-C reaches a kernel as an outcome; the search must not take it for a bad point.
         if history.outcome == INTERRUPTED:
             raise KeyboardInterrupt
         self.ended = history.outcome
         if history.outcome != "completed":
             return None
-        books, rubber = history.rows.books, history.rows.rubber
-        lead = books["lead_temperature"]
+        balance, rubber = history.rows.books, history.rows.rubber
+        lead = balance["lead_temperature"]
         temperatures = {
             title: self._at_samples(lead if layer is None else rubber[:, layer])
             for title, layer in self._layers.items()
         }
         ends = (float(lead.min()), float(lead.max())) if constants.lead.cores > 0.0 else None
-        return Prediction(self._at_samples(books["force"]), temperatures, ends)
+        return Prediction(self._at_samples(balance["force"]), temperatures, ends)
 
     def _at_samples(self, values: Floats) -> Floats:
         grid = self._grid

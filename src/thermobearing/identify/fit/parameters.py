@@ -49,7 +49,7 @@ class Kind(Strict):
     usual: bool = True  # free by default
     optional: bool = False  # of an effect that a bearing may lack
     group: str = ""  # of the remedies
-    blind: float | None = None  # starting value of no bearing
+    generic: float | None = None  # starting value that belongs to no bearing
 
 
 class Kinds(Strict):
@@ -67,18 +67,18 @@ OF_YIELDING = {kind.key for kind in KINDS.values() if kind.of_yielding}
 
 
 def remedy(*kinds: Kind) -> str:
-    """Return which tests would determine parameters."""
+    """Return a sentence on the tests that would determine parameters."""
     groups = {kind.group for kind in kinds}
     words = (words for group, words in _DATA.remedies.items() if group in groups)
-    return next(words, "other tests would be needed")
+    return next(words, "Other tests would be needed")
 
 
-def _full_key(name: str, bearing: Bearing, before: str = "") -> str:
+def _full_key(name: str, bearing: Bearing, prefix: str = "") -> str:
     """Return the dotted key of a parameter by its key or symbol; `before` begins the message."""
-    known = keys_by_name(bearing)
-    key = known.get(name.strip(), name.strip())
-    if key not in known.values():
-        raise InputError(f'{before}no parameter "{name}"{nearest(name, [*known, *known.values()])}')
+    keys = keys_by_name(bearing)
+    key = keys.get(name.strip(), name.strip())
+    if key not in keys.values():
+        raise InputError(f'{prefix}no parameter "{name}"{nearest(name, [*keys, *keys.values()])}')
     return key
 
 
@@ -152,13 +152,13 @@ class ParameterSet:
 
     def values(self, cube: Floats) -> dict[str, float]:
         """Return all values by dotted key, tied ones too, at a point of the unit cube."""
-        found = {p.kind.key: p.value for p in self.parameters}
-        found |= {p.kind.key: p.at(float(u)) for p, u in zip(self.free, cube, strict=True)}
+        numbers = {p.kind.key: p.value for p in self.parameters}
+        numbers |= {p.kind.key: p.at(float(u)) for p, u in zip(self.free, cube, strict=True)}
         for p in self.parameters:
             if p.tie is not None:
                 key, factor = p.tie
-                found[p.kind.key] = factor * found[key]
-        return found
+                numbers[p.kind.key] = factor * numbers[key]
+        return numbers
 
     def bearing(self, cube: Floats) -> Bearing:
         """Return the bearing at a point of the unit cube, not validated: quick, for the search."""
@@ -172,6 +172,7 @@ class ParameterSet:
         moved = []
         for p in self.parameters:
             value = values.get(p.kind.key, p.value)
+            # Relative bounds are multiples of the value, which depends on the size of the bearing.
             if p.kind.relative and p.free and not p.bounded:
                 p = replace(p, lower=p.kind.lower * value, upper=p.kind.upper * value)
             moved.append(replace(p, value=value))
@@ -179,9 +180,9 @@ class ParameterSet:
 
     def without(self, keys: Sequence[str]) -> "ParameterSet":
         """Return the set with some parameters, by dotted key, held at the values of the bearing."""
-        held = {key: dotted_value(self.base, key) or 0.0 for key in keys}
+        values = {key: dotted_value(self.base, key) or 0.0 for key in keys}
         moved = (
-            replace(p, value=held[p.kind.key], free=False) if p.kind.key in held else p
+            replace(p, value=values[p.kind.key], free=False) if p.kind.key in values else p
             for p in self.parameters
         )
         return replace(self, parameters=tuple(moved))
@@ -204,8 +205,9 @@ def dotted_value(bearing: Bearing, key: str) -> float | None:
     part: Any = bearing
     for name in key.split("."):
         part = part.get(name) if isinstance(part, Mapping) else getattr(part, name, None)
+    # A parameter that the bearing's file does not give has the value of the law.
     if part is None and key.startswith(LAWS):
-        return next((kind.blind for kind in _law_kinds(bearing) if kind.key == key), None)
+        return next((kind.generic for kind in _law_kinds(bearing) if kind.key == key), None)
     return None if part is None else float(part)
 
 
@@ -217,35 +219,36 @@ def with_values(bearing: Bearing, values: Mapping[str, float]) -> Bearing:
 
 
 def _replace_value(part: Any, names: Sequence[str], value: float) -> Any:
-    first, *rest = names
+    first, *inner_names = names
+    # A bearing without the table of a law gets one with this parameter alone.
     if part is None or isinstance(part, dict):  # the parameters of a law
         return (part or {}) | {first: value}
-    inner = _replace_value(getattr(part, first), rest, value) if rest else value
+    inner = _replace_value(getattr(part, first), inner_names, value) if inner_names else value
     return part.model_copy(update={first: inner})
 
 
 def available(bearing: Bearing) -> list[Kind]:
     """Return the kinds of parameters that a bearing has."""
-    found = [k for k in KINDS.values() if getattr(bearing, k.key.split(".")[0]) is not None]
-    return [*found, *_law_kinds(bearing)]
+    kinds = [k for k in KINDS.values() if getattr(bearing, k.key.split(".")[0]) is not None]
+    return [*kinds, *_law_kinds(bearing)]
 
 
 def _law_kinds(bearing: Bearing) -> Iterator[Kind]:
     """Yield the parameters of the registered laws of a bearing."""
-    for before, part in zip(LAWS, (bearing.temperature_law, bearing.hysteresis_law), strict=True):
+    for prefix, part in zip(LAWS, (bearing.temperature_law, bearing.hysteresis_law), strict=True):
         if part is None or part.law is None:
             continue
         law = find_law(part.law)
         for name, (low, high) in law.bounds.items():
             yield Kind(
-                key=f"{before}{name}",
+                key=f"{prefix}{name}",
                 symbol=f"{law.name}.{name}",
                 scale="log" if low > 0.0 else "linear",
                 lower=low,
                 upper=high,
-                of_yielding=before == HYSTERESIS,
-                blind=law.parameters[name],
-                group="temperature" if before == LAW else "turns",
+                of_yielding=prefix == HYSTERESIS,
+                generic=law.parameters[name],
+                group="temperature" if prefix == LAW else "turns",
             )
 
 
@@ -258,15 +261,19 @@ def split_at_one_temperature(bearing: Bearing, free: Sequence[str]) -> tuple[lis
     """Return the other free parameters, and the symbols of those of temperature."""
     keys = {name: _full_key(name.split("=")[0], bearing, "free: ") for name in free}
     symbols = {kind.key: kind.symbol for kind in available(bearing)}
-    warm = {name: symbols[key] for name, key in keys.items() if is_of_temperature(key)}
-    return [name for name in free if name not in warm], [warm[n] for n in free if n in warm]
+    temperature_symbols = {
+        name: symbols[key] for name, key in keys.items() if is_of_temperature(key)
+    }
+    return [name for name in free if name not in temperature_symbols], [
+        temperature_symbols[n] for n in free if n in temperature_symbols
+    ]
 
 
 def replaced_by_laws(bearing: Bearing) -> set[str]:
     """Return the keys of what the registered laws of a bearing stand for."""
     law = bearing.temperature_law
-    found = {M_T, N_T} if law is not None and law.law is not None else set()
-    return found if bearing.hysteresis_law is None else {*found, SHAPE}
+    keys = {M_T, N_T} if law is not None and law.law is not None else set()
+    return keys if bearing.hysteresis_law is None else {*keys, SHAPE}
 
 
 def is_of_temperature(key: str) -> bool:
@@ -282,11 +289,13 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
     in an LRB) has one stiffness and one coefficient.
     """
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    held, one = replaced_by_laws(bearing), at_one_temperature(ambients)
+    replaced, one_temperature = replaced_by_laws(bearing), at_one_temperature(ambients)
     kinds = (
         kind
         for kind in available(bearing)
-        if kind.usual and kind.key not in held and not (one and is_of_temperature(kind.key))
+        if kind.usual
+        and kind.key not in replaced
+        and not (one_temperature and is_of_temperature(kind.key))
     )
     return [kind.key for kind in kinds if not (linear and kind.of_yielding)]
 
@@ -294,24 +303,25 @@ def default_free(bearing: Bearing, ambients: Iterable[float]) -> list[str]:
 def _chosen(bearing: Bearing, free: Sequence[str]) -> tuple[set[str], dict[str, tuple[str, float]]]:
     """Return free keys and ties from names such as "K_r" and "n_T = 2.4 * m_T"."""
     keys, ties = set(), {}
-    there = {kind.key for kind in available(bearing)}
+    available_keys = {kind.key for kind in available(bearing)}
     for name in free:
         match = TIE.fullmatch(name)
-        left = _full_key(match[1] if match else name, bearing, "free: ")
-        if left not in there:
-            without = left.split(".")[0]
-            raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {without}')
+        key = _full_key(match[1] if match else name, bearing, "free: ")
+        if key not in available_keys:
+            table = key.split(".")[0]
+            raise InputError(f'free: "{name}": the bearing "{bearing.name}" has no {table}')
         if match is None:
-            keys.add(left)
+            keys.add(key)
             continue
         try:
             factor = float(match[2] or 1.0)
         except ValueError:
             factor = 0.0
+        # Zero too is refused: a value times 0 would be fixed and not tied.
         if not 1.0 / HUGEST <= abs(factor) <= HUGEST:
-            said = f'"{match[2]}" is not a number a parameter can be multiplied by'
-            raise InputError(f'"{name}": {said}')
-        ties[left] = (_full_key(match[3], bearing, "free: "), factor)
+            reason = f'"{match[2]}" is not a number a parameter can be multiplied by'
+            raise InputError(f'"{name}": {reason}')
+        ties[key] = (_full_key(match[3], bearing, "free: "), factor)
     return keys, ties
 
 
@@ -331,14 +341,14 @@ def parameter_set(
     keys, ties = _chosen(bearing, names)
     if not keys:
         raise InputError("free: nothing is free; name at least one parameter")
-    given = {_full_key(name, bearing): pair for name, pair in (bounds or {}).items()}
-    made = []
+    chosen_bounds = {_full_key(name, bearing): pair for name, pair in (bounds or {}).items()}
+    parameters = []
     for kind in available(bearing):
         value = dotted_value(bearing, kind.key) or 0.0
         scale = value if kind.relative else 1.0
-        lower, upper = given.get(kind.key, (kind.lower * scale, kind.upper * scale))
+        lower, upper = chosen_bounds.get(kind.key, (kind.lower * scale, kind.upper * scale))
         if not lower < upper:
             raise InputError(f"{kind.symbol}: bounds {lower:g} to {upper:g} {kind.unit} are empty")
-        how = {"free": kind.key in keys, "bounded": kind.key in given}
-        made.append(Parameter(kind, value, lower, upper, tie=ties.get(kind.key), **how))
-    return ParameterSet(bearing, tuple(made))
+        options = {"free": kind.key in keys, "bounded": kind.key in chosen_bounds}
+        parameters.append(Parameter(kind, value, lower, upper, tie=ties.get(kind.key), **options))
+    return ParameterSet(bearing, tuple(parameters))

@@ -9,7 +9,7 @@ value is kept as a floor.
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -64,9 +64,9 @@ class Problem:
 
     def with_parameters(self, pset: ParameterSet) -> "Problem":
         """Return the problem of the same tests and models with other free parameters."""
-        other = copy(self)
-        other.pset, other._last, other.history = pset, None, list(self.history)
-        return other
+        problem = copy(self)
+        problem.pset, problem._last, problem.history = pset, None, list(self.history)
+        return problem
 
     def predict(self, cube: Floats, *, fine: bool = True) -> list[Prediction | None]:
         """Run the model through all records; None where it ends early."""
@@ -77,25 +77,28 @@ class Problem:
     def parts(self, cube: Floats, *, fine: bool = False) -> list[Floats]:
         """Return the weighted residuals of each record, relative to its largest force."""
         key = (cube.tobytes(), fine)
+        # Search and gradient ask for the same point one after the other.
         if self._last is None or self._last[0] != key:
-            found = []
+            residuals = []
             runs = self.predict(cube, fine=fine)
             for record, weight, run in zip(self.records, self.weights, runs, strict=True):
                 if run is None:
                     extra = len(record.temperatures) if self.temperatures else 0
-                    found.append(np.full(len(record.time) * (1 + extra), LOST))
+                    residuals.append(np.full(len(record.time) * (1 + extra), LOST))
                 else:
-                    found.append(self._weighted(record, weight, run))
-            self._last = (key, found)
+                    residuals.append(self._weighted(record, weight, run))
+            self._last = (key, residuals)
         return self._last[1]
 
     def _weighted(self, record: TestRecord, weight: Floats, predicted: Prediction) -> Floats:
-        off = (predicted.force - record.force) / record.peak_force
-        rows = [weight * (off - np.average(off, weights=weight**2 + 1e-300))]
+        error = (predicted.force - record.force) / record.peak_force
+        # A zero of the force that is off is no misfit of the bearing: the mean does not count.
+        # The summand keeps a record whose weights are all zero from dividing by zero.
+        rows = [weight * (error - np.average(error, weights=weight**2 + 1e-300))]
         if self.temperatures:
             for title, measured in record.temperatures.items():
-                off = predicted.temperatures[title] - measured
-                rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * off)
+                error = predicted.temperatures[title] - measured
+                rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * error)
         return np.concatenate(rows)
 
     def data(self) -> list[Floats]:
@@ -103,28 +106,36 @@ class Problem:
 
         The residuals are linear in the prediction: these are minus those of a prediction of zero.
         """
-        found = []
+        values = []
         for record, weight in zip(self.records, self.weights, strict=True):
-            nothing = {title: np.zeros_like(v) for title, v in record.temperatures.items()}
-            zero = Prediction(np.zeros_like(record.force), nothing)
-            found.append(-self._weighted(record, weight, zero))
-        return found
+            temperatures = {title: np.zeros_like(v) for title, v in record.temperatures.items()}
+            zero = Prediction(np.zeros_like(record.force), temperatures)
+            values.append(-self._weighted(record, weight, zero))
+        return values
 
     def split_parts(
-        self, bearing: Bearing, moved: Sequence[TestRecord], *, fine: bool = True
+        self,
+        bearing: Bearing,
+        moved: Sequence[TestRecord],
+        *,
+        fine: bool = True,
+        delay: float = 0.0,
     ) -> list[Floats] | None:
         """Return the weighted residuals of another bearing in tests with other signals.
 
-        `moved` are the records with other forces, displacements or ambient temperatures. None if
-        the model ends early.
+        `moved` are the records with other forces, displacements or ambient temperatures; `delay` is
+        that of the force of the model [s]. None if the model ends early.
         """
-        found = []
-        for other, weight in zip(moved, self.weights, strict=True):
-            predicted = ForwardModel(other, bearing, fine=fine).run(bearing)
+        residuals = []
+        for record, weight in zip(moved, self.weights, strict=True):
+            predicted = ForwardModel(record, bearing, fine=fine).run(bearing)
             if predicted is None:
                 return None
-            found.append(self._weighted(other, weight, predicted))
-        return found
+            if delay:
+                force = np.interp(record.time - delay, record.time, predicted.force)
+                predicted = replace(predicted, force=force)
+            residuals.append(self._weighted(record, weight, predicted))
+        return residuals
 
     def residuals(self, cube: Floats, *, fine: bool = False) -> Floats:
         """Return all residuals in one vector, and record progress."""
@@ -141,13 +152,15 @@ class Problem:
     def jacobian(self, cube: Floats, *, fine: bool = False, central: bool = False) -> Floats:
         """Return finite differences [residual, parameter], one-sided at the faces of the cube."""
         cube = np.asarray(cube, dtype=float)
-        here = None if central else np.concatenate(self.parts(cube, fine=fine))
+        centre = None if central else np.concatenate(self.parts(cube, fine=fine))
         columns = []
         for i in range(len(cube)):
             up, down = cube.copy(), cube.copy()
+            # At a face of the cube the step stays inside: the law may end at a bound.
             up[i] = min(cube[i] + STEP, 1.0)
             down[i] = max(cube[i] - STEP, 0.0)
-            high, low, base = np.concatenate(self.parts(up, fine=fine)), here, cube[i]
+            high, low, base = np.concatenate(self.parts(up, fine=fine)), centre, cube[i]
+            # Backward where a forward step has no room, and as the second half of a central one.
             if low is None or up[i] - base <= 0.5 * STEP:
                 low, base = np.concatenate(self.parts(down, fine=fine)), down[i]
             columns.append((high - low) / (up[i] - base))
@@ -169,6 +182,8 @@ def _sample_weights(record: TestRecord) -> Floats:
     weights = np.full(len(record.time), np.sqrt(record.weight))
     for cycle in full_cycles(record):
         part = slice(cycle.first, cycle.last)
+        # Forces relative to the peak of their own cycle: otherwise small cycles, whose residuals
+        # are small, would have no effect next to large ones.
         if record.cycle_balance > 0.0:
             peak = float(np.abs(record.force[part]).max())
             weights[part] *= (record.peak_force / peak) ** record.cycle_balance
@@ -249,9 +264,11 @@ class Linear:
         scale, J, bread = self._scaled
         classical = bread * self.variance
         sandwich = bread @ (self.meat(J) + np.diag(self._ridge / scale**2) * self.variance) @ bread
-        least = np.maximum(np.diag(sandwich), 1e-300)
-        grow = np.sqrt(np.maximum(1.0, np.diag(classical) / least))
-        return np.asarray(sandwich * np.outer(grow, grow) / np.outer(scale, scale))
+        # With few blocks the sandwich may be too small by chance: no error is less than the
+        # textbook's. Factors on rows and columns keep the correlations.
+        variances = np.maximum(np.diag(sandwich), 1e-300)
+        factors = np.sqrt(np.maximum(1.0, np.diag(classical) / variances))
+        return np.asarray(sandwich * np.outer(factors, factors) / np.outer(scale, scale))
 
 
 def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
@@ -260,9 +277,12 @@ def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
     roots = [np.sqrt(_robust_weights(part, problem.loss)) for part in plain]
     jacobian = problem.jacobian(cube, fine=fine, central=fine)
     weights = np.concatenate(roots)
-    lost = (cube <= AT_BOUND) | (cube >= 1.0 - AT_BOUND) | ~jacobian.any(axis=0)
+    # Of a parameter at its bound, or one without effect, the tests say nothing: it has the
+    # variance of a uniform distribution, or J^T J would be singular.
+    unseen = (cube <= AT_BOUND) | (cube >= 1.0 - AT_BOUND) | ~jacobian.any(axis=0)
     labels, first = [], 0
     for record, part in zip(problem.records, plain, strict=True):
+        # Thermocouples repeat the blocks of the force: residuals of one half cycle belong together.
         blocks = np.unique(half_cycles(record), return_inverse=True)[1]
         labels.append(first + np.resize(blocks, len(part)))
         first += int(blocks.max()) + 1
@@ -271,5 +291,5 @@ def linearise(problem: Problem, cube: Floats, *, fine: bool = True) -> Linear:
         weights=weights,
         jacobian=weights[:, None] * jacobian,
         blocks=np.concatenate(labels).astype(np.int64),
-        prior=np.where(lost, UNIFORM, 0.0),
+        prior=np.where(unseen, UNIFORM, 0.0),
     )

@@ -28,7 +28,8 @@ from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.problem import AT_BOUND, Problem, half_cycles, linearise
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.uncertainty.covariance import CLEAR, OPEN, Group, linearise_assumed
+from thermobearing.identify.uncertainty.covariance import CLEAR, OPEN, linearise_assumed
+from thermobearing.identify.uncertainty.groups import Group
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 
 SATURATED = 0.55  # part of a leg after which Z counts as saturated
@@ -52,17 +53,18 @@ def _backbone(record: TestRecord, rubber: float) -> tuple[float, float, float]:
     turns = turning_points(x, TURN * record.peak_displacement)
     rows, values = [], []
     for a, b in pairwise(turns.tolist()):
-        way = x[b] - x[a]
-        if abs(way) < 0.2 * record.peak_displacement:
+        span = x[b] - x[a]
+        # A short leg ends before Z has reached d_y.
+        if abs(span) < 0.2 * record.peak_displacement:
             continue
-        late = np.arange(a, b + 1)[np.abs(x[a : b + 1] - x[a]) > SATURATED * abs(way)]
-        sign = np.full(len(late), np.sign(way))
+        late = np.arange(a, b + 1)[np.abs(x[a : b + 1] - x[a]) > SATURATED * abs(span)]
+        sign = np.full(len(late), np.sign(span))
         rows.append(np.column_stack([sign, sign * (x[late] / rubber) ** 2, x[late]]))
         values.append(force[late])
     solution = np.linalg.lstsq(np.concatenate(rows), np.concatenate(values), rcond=None)[0]
-    least = SMALLEST * record.peak_force
-    strength = max(float(solution[0]), least)
-    stiffness = max(float(solution[2]), least / record.peak_displacement)
+    smallest = SMALLEST * record.peak_force
+    strength = max(float(solution[0]), smallest)
+    stiffness = max(float(solution[2]), smallest / record.peak_displacement)
     return strength, float(np.clip(solution[1] / strength, 0.0, 1.9)), stiffness
 
 
@@ -72,6 +74,7 @@ def _with_temperature(
     """Return the value at the reference temperature and its coefficient."""
     warmer = (ambients - reference) / 100.0
     logs = np.log(values)
+    # A slope over a few kelvin would be noise divided by a small number.
     if free and np.ptp(ambients) > 5.0:
         coefficient, _ = np.polyfit(warmer, logs, 1)
     return float(np.exp(np.mean(logs - coefficient * warmer))), float(coefficient)
@@ -88,16 +91,21 @@ def loop_start(
     rubber = base.total_rubber_thickness
     strengths, hardenings, stiffnesses = zip(*(_backbone(r, rubber) for r in records), strict=True)
     lead = _lead_strength(base, min(strengths), free=kinds.SIGMA_Y not in fixed)
-    own = [max(q - lead, 0.05 * q) for q in strengths]  # of the rubber
+    rubber_strengths = [max(q - lead, 0.05 * q) for q in strengths]  # of the rubber
     reference = h.reference_temperature
     q, n_t = _with_temperature(
-        own, ambients, reference, h.hysteretic_temperature_coefficient, kinds.N_T not in fixed
+        rubber_strengths,
+        ambients,
+        reference,
+        h.hysteretic_temperature_coefficient,
+        kinds.N_T not in fixed,
     )
     layer = [layers * k for k in stiffnesses]
     elastic, m_t = _with_temperature(
         layer, ambients, reference, h.elastic_temperature_coefficient, kinds.M_T not in fixed
     )
-    hardening = float(np.mean(hardenings)) * max(strengths) / max(own)
+    # The regression gives b of the complete strength; only that of the rubber hardens.
+    hardening = float(np.mean(hardenings)) * max(strengths) / max(rubber_strengths)
     common = {kinds.HARDENING: min(hardening, 1.9), kinds.M_T: m_t, kinds.N_T: n_t}
     if base.rate is not None:
         common[kinds.K_V] = VISCOUS_SHARE * elastic / layers
@@ -165,13 +173,13 @@ class Sensitivity(NamedTuple):
 def _candidates(problem: Problem, groups: Sequence[Group]) -> list[str]:
     """Return the usual keys, and all others whose source has an uncertainty."""
     bearing = problem.pset.base
-    usual = kinds.default_free(bearing, [record.ambient for record in problem.records])
+    default_keys = kinds.default_free(bearing, [record.ambient for record in problem.records])
     linear = bearing.hysteresis.post_yield_ratio == 1.0
-    known = {key for group in groups for key in group.keys}
-    known -= kinds.replaced_by_laws(bearing)
-    more = [kind.key for kind in kinds.available(bearing) if kind.key in known]
-    more = [key for key in more if not (linear and key in kinds.OF_YIELDING)]
-    return list(dict.fromkeys([*usual, *more]))
+    uncertain = {key for group in groups for key in group.keys}
+    uncertain -= kinds.replaced_by_laws(bearing)
+    further = [kind.key for kind in kinds.available(bearing) if kind.key in uncertain]
+    further = [key for key in further if not (linear and key in kinds.OF_YIELDING)]
+    return list(dict.fromkeys([*default_keys, *further]))
 
 
 def sensitivities(
@@ -188,45 +196,51 @@ def sensitivities(
     pset = kinds.parameter_set(base, _candidates(problem, groups), ambients, bounds)
     problem = problem.with_parameters(pset.with_start(start))
     cube, free = problem.pset.start, [p.kind.key for p in problem.pset.free]
-    usual = kinds.default_free(base, ambients)
-    limits = np.array([NOTHING * WIDE if key in usual else BETTER for key in free])
+    default_keys = kinds.default_free(base, ambients)
+    limits = np.array([NOTHING * WIDE if key in default_keys else BETTER for key in free])
     sources = {key: group for group in reversed(groups) for key in group.keys}
-    known = [(sources.get(key), kinds.dotted_value(base, key) or 0.0) for key in free]
-    spreads = np.array([source.step(value) if source else 0.0 for source, value in known])
+    sources_and_values = [(sources.get(key), kinds.dotted_value(base, key) or 0.0) for key in free]
+    spreads = np.array(
+        [source.step(value) if source else 0.0 for source, value in sources_and_values]
+    )
     stated = spreads > 0.0
     slopes = np.array([p.slope(float(u)) for p, u in zip(problem.pset.free, cube, strict=True)])
     jacobian = problem.jacobian(cube) * (np.where(stated, spreads, 1.0) / slopes)
     assumed = linearise_assumed(problem, cube, groups, fine=False).columns
     columns = np.column_stack([jacobian, assumed])
-    information = columns.T @ (columns * _worth(problem)[:, None]) / MISFIT**2
+    information = columns.T @ (columns * _independent_samples(problem)[:, None]) / MISFIT**2
     prior = np.array([WIDE**-2] * len(free) + [1.0] * assumed.shape[1])
-    ratios, kept = np.zeros(len(free)), np.ones(len(free), dtype=bool)
+    ratios, is_free = np.zeros(len(free)), np.ones(len(free), dtype=bool)
     movable = stated & (np.array(free) != kinds.K_R)
+    # Worst first, one at a time: what one dropped parameter leaves changes the errors of the rest.
     while True:
-        left = np.sqrt(np.diag(np.linalg.inv(information + np.diag(prior))))[: len(free)]
-        ratios = np.where(kept, left, ratios)
-        over = np.where(kept & movable, ratios / limits, 0.0)
-        worst = place_of_largest(over)
-        if over[worst] <= 1.0:
+        errors = np.sqrt(np.diag(np.linalg.inv(information + np.diag(prior))))[: len(free)]
+        ratios = np.where(is_free, errors, ratios)
+        excess = np.where(is_free & movable, ratios / limits, 0.0)
+        worst = place_of_largest(excess)
+        # All that are left are better determined by the tests than by their sources.
+        if excess[worst] <= 1.0:
             break
-        kept[worst], prior[worst] = False, 1.0
+        # A dropped parameter is an assumed value: its prior is the uncertainty of its source.
+        is_free[worst], prior[worst] = False, 1.0
     return [
-        Sensitivity(key, float(spread), float(spread * ratio), bool(keep), key in usual)
-        for key, spread, ratio, keep in zip(free, spreads, ratios, kept, strict=True)
+        Sensitivity(key, float(spread), float(spread * ratio), bool(keep), key in default_keys)
+        for key, spread, ratio, keep in zip(free, spreads, ratios, is_free, strict=True)
     ]
 
 
-def _worth(problem: Problem) -> Floats:
+def _independent_samples(problem: Problem) -> Floats:
     """Return the number of independent samples that each residual is worth."""
-    found = []
+    shares = []
     for record, weight in zip(problem.records, problem.weights, strict=True):
         legs = half_cycles(record)
         counted = weight > 0.0
         count = np.bincount(legs, weights=counted)[legs]
+        # Residuals of one half cycle are alike: together they count as WORTH samples.
         share = np.minimum(1.0, WORTH / np.maximum(count, 1.0))
         extra = len(record.temperatures) if problem.temperatures else 0
-        found.append(np.tile(share, 1 + extra))
-    return np.concatenate(found)
+        shares.append(np.tile(share, 1 + extra))
+    return np.concatenate(shares)
 
 
 def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple[Problem, Floats]:
@@ -234,8 +248,8 @@ def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple
 
     E2 of lead without softening is one: free, it would end at 0 in half of all calibrations.
     """
-    known = {p.kind.key: p.kind.end for p in problem.pset.free if p.kind.key in added}
-    ends = {key: end for key, end in known.items() if end is not None}
+    law_ends = {p.kind.key: p.kind.end for p in problem.pset.free if p.kind.key in added}
+    ends = {key: end for key, end in law_ends.items() if end is not None}
     if not ends:
         return problem, cube
     linear = linearise(problem, cube, fine=False)
@@ -243,14 +257,15 @@ def drop_needless(problem: Problem, cube: Floats, added: Sequence[str]) -> tuple
     needless = []
     for p, u, error in zip(problem.pset.free, cube.tolist(), stderr.tolist(), strict=True):
         if p.kind.key in ends:
-            file = kinds.dotted_value(problem.pset.base, p.kind.key) or 0.0
+            file_value = kinds.dotted_value(problem.pset.base, p.kind.key) or 0.0
+            # Near the end of the law and the value of the file: the tests ask for no other.
             reach = max(CLEAR * error, AT_BOUND)
-            if abs(u - p.place(ends[p.kind.key])) < reach and abs(u - p.place(file)) < reach:
+            if abs(u - p.place(ends[p.kind.key])) < reach and abs(u - p.place(file_value)) < reach:
                 needless.append(p.kind.key)
-    return _held(problem, cube, needless)
+    return _hold_parameters(problem, cube, needless)
 
 
-def _held(problem: Problem, cube: Floats, keys: Sequence[str]) -> tuple[Problem, Floats]:
+def _hold_parameters(problem: Problem, cube: Floats, keys: Sequence[str]) -> tuple[Problem, Floats]:
     """Return a problem with some parameters held at the values of the bearing."""
     if not keys:
         return problem, cube
@@ -274,4 +289,4 @@ def hold_undetermined(problem: Problem, cube: Floats) -> tuple[Problem, Floats, 
         for p, error in zip(problem.pset.free, errors, strict=True)
         if p.kind.optional and 2.0 * CLEAR * error > OPEN
     ]
-    return *_held(problem, cube, keys), keys
+    return *_hold_parameters(problem, cube, keys), keys

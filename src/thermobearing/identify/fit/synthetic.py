@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
+from thermobearing.border.schema import check_seed
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import CyclicTest, Wave, cyclic_test
 from thermobearing.identify.fit.parameters import available, with_values
@@ -15,6 +17,7 @@ from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
 
 
+@checked
 def synthetic_record(
     bearing: Bearing | str | Path,
     ambient: float,
@@ -76,15 +79,17 @@ def synthetic_record(
     if through_rests:
         clock = np.arange(time[0], time[-1], 1.0 / sampling)
         time, x, force = clock, np.interp(clock, time, x), np.interp(clock, time, force)
-    kept = _logged(time, x, sampling)
+    recorded = _logged(time, x, sampling)
     name = f"synthetic at {ambient:g} degC"
-    record = record_from_arrays(time[kept], x[kept], force[kept], ambient, name=name)
+    record = record_from_arrays(time[recorded], x[recorded], force[recorded], ambient, name=name)
     force = record.force.copy()
     for cycle in full_cycles(record):
         if cycle.number == 1 and not cycle.closing:
             force[cycle.first : cycle.last + 1] *= first_cycle
+    check_seed(seed)
     rng = np.random.default_rng(seed)
     white = rng.normal(size=len(force))
+    # An autoregressive process of first order; the factor keeps the variance at one.
     for i in range(1, len(white) if memory else 0):
         white[i] = memory * white[i - 1] + np.sqrt(1.0 - memory**2) * white[i]
     noisy = force + noise * record.peak_force * white
@@ -97,19 +102,20 @@ def synthetic_record(
 def _logged(time: Floats, x: Floats, sampling: float) -> NDArray[np.bool_]:
     """Return the steps that a logger records: every n-th while moving, reversals, and rests."""
     gaps = np.diff(time, prepend=time[0])
-    usual = float(np.median(gaps[1:]))
-    every = max(1, round(1.0 / (sampling * usual)))
-    kept = np.arange(len(time)) % every == 0
-    pause = gaps > 1.5 * usual
-    kept |= pause
-    kept[:-1] |= pause[1:]
-    kept[1:-1] |= (x[1:-1] - x[:-2]) * (x[2:] - x[1:-1]) < 0.0
-    kept[-1] = True
-    return np.asarray(kept)
+    usual_gap = float(np.median(gaps[1:]))
+    stride = max(1, round(1.0 / (sampling * usual_gap)))
+    recorded = np.arange(len(time)) % stride == 0
+    pause = gaps > 1.5 * usual_gap
+    recorded |= pause
+    recorded[:-1] |= pause[1:]
+    # Reversals between two logged samples would make the loops smaller than those of the model.
+    recorded[1:-1] |= (x[1:-1] - x[:-2]) * (x[2:] - x[1:-1]) < 0.0
+    recorded[-1] = True
+    return np.asarray(recorded)
 
 
-def blind_start(bearing: Bearing | str | Path) -> Bearing:
+def generic_start(bearing: Bearing | str | Path) -> Bearing:
     """Return a bearing with parameters that belong to no bearing, to start a calibration from."""
     bearing = as_bearing(bearing)
-    values = {k.key: k.blind for k in available(bearing) if k.blind is not None}
+    values = {k.key: k.generic for k in available(bearing) if k.generic is not None}
     return with_values(bearing, values)

@@ -1,6 +1,6 @@
 """Checks of a test record before it is used."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -11,11 +11,26 @@ from numpy.typing import NDArray
 
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.text_file import file_names
 from thermobearing.core.records import Floats
-from thermobearing.identify.records.cycles import Cycle, compute_measures, loop_middles, split_runs
-from thermobearing.identify.records.record import PAUSE, TestRecord, load_test
+from thermobearing.cyclic.conditioning import (
+    chamber_numbers,
+    conditioning_faults,
+    hours_to_settle,
+    soaked_start,
+)
+from thermobearing.identify.records.cycles import (
+    NONE,
+    SAME,
+    Cycle,
+    compute_measures,
+    loop_middles,
+    measure_zeros,
+    split_runs,
+)
+from thermobearing.identify.records.record import ASSUMED_AMBIENT, PAUSE, TestRecord, load_test
 from thermobearing.identify.records.treatment import (
     SURE,
     UNITS,
@@ -28,10 +43,12 @@ from thermobearing.identify.records.treatment import (
     warn,
 )
 from thermobearing.quantities.governing import largest_by
+from thermobearing.quantities.words import counted, percent
 from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import loop_energy
 from thermobearing.results.writing import write_summary
+from thermobearing.tables.conditioning import Conditioning
 
 SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
 LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
@@ -48,14 +65,55 @@ SLIPS = (  # factors on force and displacement that would correct a mistake, and
 FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
 GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
 GAP_WAY = 0.05  # of the largest displacement, covered without a sample
-OFFSET = 0.03  # of the largest force or displacement, middle of the cycles, however few
-SLIGHT, FEWEST_ZEROS = 0.005, 4  # the same where so many cycles agree on it (SURE)
+OFFSET = 0.03  # of the largest force or displacement, however few the cycles are
+SLIGHT, FEWEST_ZEROS = 0.005, 4  # the same where so many legs agree on it (SURE)
+LEANING = 0.02  # of the peak: as far the middle of a first loop is from its zero
 ENDS_AWAY = 0.1  # of the largest displacement
+NOT_NEEDED = ("cycles", "sampling")  # checks of a calibration that any history may fail
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
 CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
-SLOWEST, FASTEST = 0.01, 2000.0  # mean speed [mm/s]
+SLOWEST, FASTEST = 0.1, 2000.0  # mean speed [mm/s]
+SLOW, SPARSE = 1.0, 2.0  # [mm/s] and [s]: a test as slow, with samples as rare, may be in ms
+MILLI = 1e3  # seconds labelled ms, or milliseconds labelled s
+REPEATED = 50  # samples in a row with displacements and forces of earlier rows
+UNDAMPED = 0.005  # equivalent damping that no rubber is below
+LEVEL_PART, LEVEL_RISE = 0.3, 0.1  # of an amplitude; of the rise of the force in the part before
+FEWEST_OF_PART = 4  # samples of such a part, for its slope
+FASTEST_RATE = 10.0  # mean strain rate of any test [1/s]
+GENERATED = 0.01  # equivalent damping that the noise of a loop may hide, or turn negative
+JUMP, MANY_STEPS = 0.2, 10.0  # of the largest displacement, and times the fast steps of the record
+LOWEST_KELVIN = 180.0  # of a specimen [K]; no test starts as warm in degC
+ZERO_DEGC = 273.15  # [K]
+LIKE_KELVIN = 30.0  # a thermocouple starts as close to the ambient temperature, if in kelvin [K]
 COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
+
+
+@dataclass(frozen=True)
+class Offset:
+    """The zero of a signal of a record."""
+
+    name: str  # "force" or "displacement"
+    size: float  # [kN or mm]
+    peak: float  # largest value of the signal, of either sign
+    smallest_peak: float  # of the cycles of the smallest amplitude
+    warned: bool  # whether it is so large, or so certain, that the reader has to decide
+
+    def suspicion(self, test: str) -> dict[str, Any]:
+        """Return the content of summary.json about the offset in a test, as a suspect."""
+        return {
+            "name": f"zero of the {self.name} of {test}",
+            "key": f"{self.name}_offset",
+            "ambient_degC": None,
+            "size": self.size,
+            "unit": UNITS[self.name],
+            "explained": None,
+        }
+
+    @property
+    def text(self) -> str:
+        """The size with its unit."""
+        return f"{self.size:.2g} {UNITS[self.name]}"
 
 
 @dataclass
@@ -68,6 +126,7 @@ class CheckReport:
     # Samples at which the force was saturated; a calibration ignores them.
     clipped: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=bool))
     treatment: Treatment | None = None  # None for what is no test at all
+    offsets: list[Offset] = field(default_factory=list)  # of the signals of a record with cycles
 
     @property
     def steady(self) -> TestRecord:
@@ -77,8 +136,8 @@ class CheckReport:
     @property
     def refusals(self) -> list[str]:
         """Reasons why the record cannot be used in a calibration; empty if it can."""
-        where = self.record.file or self.record.name
-        return [f"{where}: {f.sentence}" for f in self.findings if f.level == "refused"]
+        source = self.record.file or self.record.name
+        return [f"{source}: {f.sentence}" for f in self.findings if f.level == "refused"]
 
     @property
     def outcome(self) -> str:
@@ -90,6 +149,7 @@ def _gravest(levels: set[Any]) -> str:
     return next((level for level in ("refused", "warning") if level in levels), "good")
 
 
+@checked
 def check_test(
     record: TestRecord | str | Path, bearing: Bearing | str | Path | None = None
 ) -> CheckReport:
@@ -122,6 +182,7 @@ def check_test(
     report = CheckReport(record, clipped=np.zeros(len(record.time), dtype=bool))
     findings = report.findings
     findings += _check_file(record)
+    # The treatment needs increasing time and signals that vary; nothing else can be checked here.
     if refused := list(_check_numbers(record)):
         findings += refused
         return report
@@ -129,47 +190,60 @@ def check_test(
     report.cycles = cycles = report.treatment.cycles
     findings += describe_treatment(report.treatment)
     steady = report.steady
+    # With swapped columns or a wrong sign, all further findings would be consequences.
     if refused := list(_check_sign(steady, cycles)):
         findings += refused
         return report
     report.clipped = _find_clipped(record)
     full = [cycle for cycle in cycles if not cycle.closing]
+    findings += _check_repeats(record)
+    findings += _check_loops(steady, full)
     findings += _check_sampling(steady, full)
     findings += _check_cycles(steady, full)
-    findings += _check_zero(steady, cycles)
+    report.offsets = _measure_offsets(steady, cycles)
+    findings += _check_zero(steady, report.offsets)
     if report.clipped.any():
         largest = float(np.abs(record.force[report.clipped]).max())
-        said = (
-            f"the force is clipped at {largest:.4g} kN in {int(report.clipped.sum())} samples: the "
+        message = (
+            f"the force is clipped at {largest:.4g} kN in {int(report.clipped.sum())} samples. "
+            "A calibration ignores them; the true peak forces are larger"
         )
-        said += (
-            "load cell or amplifier was saturated; a calibration ignores these samples, and the "
-        )
-        findings.append(warn("saturation", said + "peak forces of the test are too small"))
+        findings.append(warn("saturation", message))
+    else:
+        findings += _check_level_force(steady, full)
     if bearing is not None and cycles:
         findings += check_plausibility(steady, bearing)
-    findings += _check_thermocouples(record)
+    if not record.unclear:
+        if bearing is not None:
+            findings += _check_conditioning(record, bearing)
+        findings += check_thermocouples(record)
     return report
 
 
 def _check_file(record: TestRecord) -> Iterator[Finding]:
     """Yield assumptions, and content of the file that is not used."""
+    if record.unclear:
+        yield refuse("ambient", record.unclear)
     for text in record.assumptions:
         yield warn("assumed", text)
     if record.unused:
         yield note("columns", f"columns not used: {', '.join(record.unused)}")
     if record.rubber_thickness is not None:
-        said = "the ratio of displacement to strain gives a total rubber thickness of "
-        yield note("rubber", f"{said}{record.rubber_thickness:.4g} mm")
+        message = f"displacement over strain is {record.rubber_thickness:.4g} mm, "
+        yield note("rubber", f"{message}the total rubber thickness")
 
 
 def _check_numbers(record: TestRecord) -> Iterator[Finding]:
     """Yield a refusal if time does not increase or a signal is constant."""
-    back = np.flatnonzero(~(np.diff(record.time) > 0.0))
-    if len(back):
-        k = int(back[0])
-        said = f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s (rows "
-        yield refuse("time", f"{said}{k + 1} and {k + 2}): were files joined, or columns swapped?")
+    backward = np.flatnonzero(~(np.diff(record.time) > 0.0))
+    if len(backward):
+        k = int(backward[0])
+        message = (
+            f"time does not increase from {record.time[k]:g} to {record.time[k + 1]:g} s (rows "
+        )
+        yield refuse(
+            "time", f"{message}{k + 1} and {k + 2}): were files joined, or columns swapped?"
+        )
         return
     for name, unit in UNITS.items():
         values = getattr(record, name)
@@ -181,104 +255,239 @@ def _check_numbers(record: TestRecord) -> Iterator[Finding]:
 def _check_sign(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
     """Yield a refusal unless the loops dissipate, with the force along the displacement."""
     d, f = record.displacement, record.force
+    if not (np.ptp(d) and np.ptp(f)):
+        message = "the displacement has only spikes and rests: are rows out of order?"
+        yield refuse("rows", message)
+        return
     loops = [slice(c.first, c.last + 1) for c in cycles] or [slice(None)]
     energy = sum(loop_energy(d[rows], f[rows]) for rows in loops)
     along = float(np.corrcoef(d, f)[0, 1])
+    # Swapping the axes of a loop reverses its sense and so the sign of its energy; a force of the
+    # opposite sign makes the correlation negative.
     if energy < 0.0 and along > 0.0:
-        said = f"the loops generate energy ({energy:.4g} kN mm) although the force has the sign of "
-        said += "the displacement: the columns of displacement and force seem to be swapped"
-        yield refuse("columns", said)
+        message = (
+            f"the loops generate energy ({energy:.4g} kN mm) although the force has the sign of "
+            "the displacement: the columns of displacement and force seem to be swapped"
+        )
+        yield refuse("columns", message)
     elif not along > 0.0:
-        said = "the force has the opposite sign of the displacement: set flip_force = true in the "
-        said += "sidecar"
-        yield refuse("sign", said)
+        message = (
+            "the force has the opposite sign of the displacement: set flip_force = true in the "
+            "sidecar"
+        )
+        yield refuse("sign", message)
+
+
+def _check_repeats(record: TestRecord) -> Iterator[Finding]:
+    """Yield rows that are in the file twice, and blocks that begin far from the end of the last."""
+    x, peak = record.displacement, record.peak_displacement
+    # A copied row is as far from its original as the row before it is. Noise repeats itself never.
+    _, first, inverse = np.unique(x + 1j * record.force, return_index=True, return_inverse=True)
+    distance = np.arange(len(x)) - first[inverse]
+    for a, b in split_runs((np.diff(distance) == 0) & (distance[1:] > 0)):
+        if b - a + 2 >= REPEATED and np.ptp(x[a : b + 2]) > CLIPPED_WAY * peak:
+            begin = int(first[inverse[a]])
+            yield warn(
+                "rows",
+                f"displacement and force of the {b - a + 2} samples from number {a + 1} on are "
+                f"those from number {begin + 1} on: are rows in the file twice? Remove one copy",
+            )
+            break
+    ends = np.flatnonzero(np.diff(record.block))
+    away = ends[np.abs(x[ends + 1] - x[ends]) > JUMP * peak]
+    if len(away):
+        k = int(away[0])
+        yield warn(
+            "blocks",
+            f"the displacement is {x[k]:.3g} mm at the end of block {record.block[k] + 1} and "
+            f"{x[k + 1]:.3g} mm at the beginning of the next one: are rows missing, repeated or "
+            "out of order? Put each test into a file of its own",
+        )
+
+
+def _check_loops(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
+    """Yield a refusal if a cycle generates energy, or the displacement jumps: rows out of order."""
+    steps = np.abs(np.diff(record.displacement))
+    moving = steps[steps > 1e-4 * record.peak_displacement]
+    fast = float(np.quantile(moving, 0.9)) if len(moving) else 0.0
+    usual_gap = np.diff(record.time) <= GAP_FACTOR * float(np.median(np.diff(record.time)))
+    smallest_jump = max(JUMP * record.peak_displacement, MANY_STEPS * fast)
+    # A long step over a gap in time, or from one block to the next, is no jump.
+    jumps = np.flatnonzero((steps > smallest_jump) & usual_gap & (np.diff(record.block) == 0))
+    if len(jumps):
+        k = int(jumps[0])
+        yield refuse(
+            "rows",
+            f"the displacement jumps by {steps[k]:.3g} mm from one sample to the next at "
+            f"{record.time[k]:.4g} s (rows {k + 1} and {k + 2}), {len(jumps)} times in all: are "
+            "rows missing or out of order?",
+        )
+    largest = -np.inf
+    for place, cycle in enumerate(full, start=1):
+        rows = slice(cycle.first, cycle.last + 1)
+        x, force = record.displacement[rows], record.force[rows]
+        # Equivalent damping (Eq. 3.2) of the range of the force, which noise hardly changes.
+        damping = 2.0 * loop_energy(x, force) / (np.pi * float(np.ptp(force) * np.ptp(x)))
+        if damping < -GENERATED:
+            yield refuse(
+                "energy",
+                f"full cycle {place} generates energy (h_eq = {damping:.3f}), which no bearing "
+                "does: are rows out of order, or does the force lag behind the displacement?",
+            )
+            return
+        largest = max(largest, damping)
+    if full and largest < UNDAMPED:
+        yield warn(
+            "energy",
+            f"the loops dissipate almost no energy (h_eq = {largest:.4f}), less than any rubber: "
+            "was the column of the force computed from the displacement?",
+        )
+
+
+def _mean_speed(record: TestRecord) -> float:
+    """Return the mean speed while the bearing moves [mm/s]."""
+    gaps, steps = np.diff(record.time), np.abs(np.diff(record.displacement))
+    moving = steps > 1e-4 * record.peak_displacement
+    return float(np.sum(steps[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
 
 
 def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield gaps while the bearing moves, implausible speeds, cycles of few samples."""
-    gaps, ways = np.diff(record.time), np.abs(np.diff(record.displacement))
-    moving = ways > 1e-4 * record.peak_displacement
-    usual = float(np.median(gaps[moving])) if moving.any() else float(np.median(gaps))
+    gaps, steps = np.diff(record.time), np.abs(np.diff(record.displacement))
+    moving = steps > 1e-4 * record.peak_displacement
+    usual_gap = float(np.median(gaps[moving])) if moving.any() else float(np.median(gaps))
     same_block = np.diff(record.block) == 0
-    lost = (gaps > GAP_FACTOR * usual) & (ways > GAP_WAY * record.peak_displacement) & same_block
-    for k in np.flatnonzero(lost)[:3]:
-        said = f"no samples from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, while the "
-        yield warn("sampling", f"{said}bearing moved {ways[k]:.3g} mm")
-    speed = float(np.sum(ways[moving]) / max(float(np.sum(gaps[moving])), 1e-12))
-    if not SLOWEST <= speed <= FASTEST:
-        said = f"the mean speed is {speed:.3g} mm/s: check the units of time and displacement"
-        yield warn("speed", said)
+    has_gap = (
+        (gaps > GAP_FACTOR * usual_gap) & (steps > GAP_WAY * record.peak_displacement) & same_block
+    )
+    for k in np.flatnonzero(has_gap)[:3]:
+        message = f"samples are missing from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, "
+        yield warn("sampling", f"{message}while the bearing moved {steps[k]:.2g} mm")
+    speed = _mean_speed(record)
+    # A slow test may be one in ms labelled s; only rare samples make that likely.
+    sparse = usual_gap >= SPARSE and speed < SLOW
+    if sparse or not SLOWEST <= speed <= FASTEST:
+        message = f"the mean speed is {speed:.3g} mm/s"
+        if speed < SLOW and SLOWEST <= MILLI * speed <= FASTEST:
+            message += f": is time in ms labelled s ({MILLI * speed:.3g} mm/s)?"
+        elif SLOWEST <= speed / MILLI <= FASTEST:
+            message += f": is time in s labelled ms ({speed / MILLI:.3g} mm/s)?"
+        else:
+            message += ": check the units of time and displacement"
+        yield warn("speed", message)
     rests = int(((gaps > PAUSE) & ~moving).sum())
-    said = f"{len(record.time)} samples, usually {1e3 * usual:.3g} ms apart, mean speed {speed:.3g}"
-    yield note("sampling", f"{said} mm/s, {rests} gaps longer than {PAUSE:g} s at rest")
+    pauses = f", {counted(rests, 'pause')} longer than {PAUSE:g} s" if rests else ""
+    yield note(
+        "sampling",
+        f"{len(record.time)} samples, usually {1e3 * usual_gap:.3g} ms apart, mean speed "
+        f"{speed:.2g} mm/s{pauses}",
+    )
     fewest = min((c.last - c.first for c in full), default=FEW_SAMPLES)
     if fewest < FEW_SAMPLES:
-        said = f"a cycle has only {fewest} samples"
-        yield (refuse if fewest < FEWEST_SAMPLES else warn)("sampling", said)
+        message = f"a cycle has only {fewest} samples; {FEW_SAMPLES} or more give accurate loops"
+        yield (refuse if fewest < FEWEST_SAMPLES else warn)("sampling", message)
 
 
 def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield the number of full cycles, and a record that does not begin and end at zero."""
     if not full:
-        said = "no full cycle (zero, one side, other side, zero) was found: a calibration needs "
-        said += "reversals"
-        yield refuse("cycles", said)
+        message = (
+            "no full cycle (zero, one side, other side, zero) was found: a calibration needs "
+            "reversals"
+        )
+        yield refuse("cycles", message)
         return
+    # b is a change of strength with amplitude, scragging one from cycle to cycle.
     if len(full) == 1:
-        said = "only one cycle: the tests cannot distinguish an unscragged loop from later ones, "
-        yield warn("cycles", said + "amplitude dependence (b) from stiffness, or heating from both")
+        message = (
+            "only one cycle: scragging, heating and the effect of the amplitude (b) cannot be "
+        )
+        yield warn("cycles", message + "distinguished")
     levels = sum(c.number == 1 for c in full)
-    yield note("cycles", f"{len(full)} full cycles at {levels} successive amplitudes")
+    amplitudes = counted(levels, "amplitude")
+    yield note("cycles", f"{counted(len(full), 'full cycle')} at {amplitudes} in a row")
     first, last = record.displacement[0], record.displacement[-1]
-    away = ENDS_AWAY * record.peak_displacement
-    if abs(last) > away:
-        said = f"the record ends at {last:.4g} mm, in the middle of a cycle: is it truncated?"
-        yield warn("end", said)
-    if abs(first) > away:
-        said = f"the record begins at {first:.4g} mm: the model moves there first, from rest"
-        yield warn("begin", said)
+    limit = ENDS_AWAY * record.peak_displacement
+    if abs(last) > limit:
+        message = f"the record ends at {last:.3g} mm, in the middle of a cycle: is it truncated?"
+        yield warn("end", message)
+    if abs(first) > limit:
+        message = f"the record begins at {first:.3g} mm, not at zero: the model moves there first"
+        yield warn("begin", message)
 
 
-def _check_zero(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
-    """Yield the zero of force and displacement, from the middle of the loops."""
-    near = []
+def _measure_offsets(record: TestRecord, cycles: list[Cycle]) -> list[Offset]:
+    """Return the zeros of force and displacement, of a record that has full cycles."""
+    offsets = []
     for name, peak in ("force", record.peak_force), ("displacement", record.peak_displacement):
-        values = getattr(record, name)
-        middles, zeros = loop_middles(values, cycles), _loop_zeros(values, cycles)
-        if len(middles) == 0:
+        zeros = measure_zeros(record, name, cycles).values
+        if len(zeros) == 0:
             continue
-        offset = float(np.median(zeros if len(zeros) >= FEWEST_ZEROS else middles))
-        error = float(zeros.std()) / np.sqrt(len(zeros)) if len(zeros) else np.inf
-        sure = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
-        shown = f"{offset:.2g} {UNITS[name]}"
-        if abs(offset) > OFFSET * peak or sure:
-            said = f"the middle of the {name} loops is at {shown} ({abs(offset) / peak:.1%} of the "
-            said += f'peak), not at zero: set {name}_offset = "{shown}" in the sidecar to '
-            yield warn("offset", said + "remove the offset")
-        else:
-            near.append(f"{shown} in the {name}")
-    if near:
-        said = f"offset of {' and '.join(near)}: not significant"
-        yield note("zero", said)
+        values = getattr(record, name)
+        offset, middle = (float(np.median(v)) for v in (zeros, loop_middles(values, cycles)))
+        # One loop of several that is far off moves the median of the middles less.
+        offset = offset if abs(offset - middle) < LEANING * peak else middle
+        offset = offset if abs(offset) > NONE * peak else 0.0
+        error = float(zeros.std()) / np.sqrt(len(zeros))
+        # A small offset counts only if many legs agree on it by several standard errors.
+        certain = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
+        smallest_peak, middle = _smallest_loops(values, cycles)
+        # A small offset of the peak may be a large part of the smallest cycles: then both must
+        # agree.
+        in_small = min(abs(offset), middle * float(np.sign(offset))) > OFFSET * smallest_peak
+        warned = bool(abs(offset) > OFFSET * peak or certain or in_small)
+        offsets.append(Offset(name, offset, peak, smallest_peak, warned))
+    return offsets
 
 
-def _loop_zeros(values: Floats, cycles: list[Cycle]) -> Floats:
-    """Return the zero of a signal by each cycle that is the third of its amplitude or later.
+def _check_zero(record: TestRecord, offsets: Sequence[Offset]) -> Iterator[Finding]:
+    """Yield the zero of force and displacement."""
+    near_zero = []
+    for offset in offsets:
+        name, size = offset.name, abs(offset.size)
+        if not offset.warned:
+            share = percent(size / offset.smallest_peak, 1)
+            near_zero.append(f"{offset.text} in the {name} ({share})")
+            continue
+        reading = _reading_at_zero(record, name, offset.size)
+        message = (
+            f"the zero of the {name} is off by {offset.text} ({percent(size / offset.peak, 1)} of "
+            f"the peak, {percent(size / offset.smallest_peak, 1)} of that of the smallest "
+            "cycles); "
+            f'{name}_offset = "{reading} {UNITS[name]}" in the sidecar removes it'
+        )
+        yield warn("offset", message)
+    if near_zero:
+        message = (
+            f"the zero is off by {' and '.join(near_zero)}, of the peak of the smallest cycles"
+        )
+        yield note("zero", message)
 
-    A rubber that softens makes the second side of each loop weaker than the first, by up to 1 %
-    of the peak in the cold. So the first extreme is compared with the mean of those before and
-    after it. First cycles lean to their first side and do not count.
+
+def _reading_at_zero(record: TestRecord, name: str, offset: float) -> str:
+    """Return what the instrument reads at zero: the offset that belongs in the sidecar.
+
+    The sidecar subtracts it from the readings before it reverses their sign, and may have
+    subtracted a part of it already.
+    """
+    reversed_sign = record.reversed_force and name == "force"
+    subtracted = record.subtracted.get(name, 0.0)
+    reading = subtracted + (-offset if reversed_sign else offset)
+    return f"{reading:.3g}" if subtracted else f"{reading:.2g}"
+
+
+def _smallest_loops(values: Floats, cycles: list[Cycle]) -> tuple[float, float]:
+    """Return half the range of a signal in the cycles of the smallest amplitude, and its middle.
+
+    The first cycle of the amplitude, which leans to its first side, counts only if it is alone.
     """
     full = [cycle for cycle in cycles if not cycle.closing]
-    ends = []  # the two extremes of each loop, in the order of time
-    for cycle in full:
-        loop = values[cycle.first : cycle.last + 1]
-        ends.append(loop[np.sort([loop.argmin(), loop.argmax()])])
-    found = []
-    for k in range(1, len(full)):
-        if full[k - 1].number >= 2 and full[k].number == full[k - 1].number + 1:
-            found.append(0.5 * ends[k][0] + 0.25 * (ends[k - 1][1] + ends[k][1]))
-    return np.array(found)
+    smallest = min(cycle.amplitude for cycle in full)
+    level = [cycle for cycle in full if cycle.amplitude < (1.0 + SAME) * smallest]
+    level = [cycle for cycle in level if cycle.number > 1] or level
+    loops = [values[cycle.first : cycle.last + 1] for cycle in level]
+    half_ranges = [0.5 * float(np.ptp(loop)) for loop in loops]
+    return float(np.median(half_ranges)), float(np.median(loop_middles(values, level)))
 
 
 def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
@@ -286,10 +495,51 @@ def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
     clipped = np.zeros(len(record.time), dtype=bool)
     for extreme in (record.force.max(), record.force.min()):
         for a, b in split_runs(np.abs(record.force - extreme) <= 1e-9 * record.peak_force):
-            way = float(np.ptp(record.displacement[a : b + 1]))
-            if b - a + 1 >= CLIPPED_RUN and way > CLIPPED_WAY * record.peak_displacement:
+            travel = float(np.ptp(record.displacement[a : b + 1]))
+            # A plateau at rest is no saturation: the bearing must move on below it.
+            if b - a + 1 >= CLIPPED_RUN and travel > CLIPPED_WAY * record.peak_displacement:
                 clipped[a : b + 1] = True
     return clipped
+
+
+def _check_level_force(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
+    """Yield a side on which the force stops rising: a saturated load cell, with noise.
+
+    Bearings stiffen or stay as stiff towards their largest displacement.
+    """
+    largest = max((cycle.amplitude for cycle in full), default=0.0)
+    level = [cycle for cycle in full if cycle.amplitude > (1.0 - SAME) * largest]
+    for side in (1.0, -1.0):
+        rises = [_rises(record, cycle, side) for cycle in level]
+        if level and all(
+            before > LEVEL_RISE * record.peak_force and after < LEVEL_RISE * before
+            for before, after in rises
+        ):
+            top = float((side * record.force).max())
+            yield warn(
+                "saturation",
+                f"the force does not rise over the last {percent(LEVEL_PART)} of the displacement "
+                f"to the {'positive' if side > 0.0 else 'negative'} side, at about "
+                f"{side * top:.4g} kN: was the load cell saturated? The true peak forces are "
+                "larger; leave out these cycles, or repeat the test with another range",
+            )
+
+
+def _rises(record: TestRecord, cycle: Cycle, side: float) -> tuple[float, float]:
+    """Return by how much the force rises in the last part of a way out, and in the part before."""
+    x = side * record.displacement[cycle.first : cycle.last + 1]
+    force = side * record.force[cycle.first : cycle.last + 1]
+    end = int(x.argmax())
+    crossings = np.flatnonzero(x[:end] <= 0.0)
+    begin = int(crossings[-1]) if len(crossings) else 0
+    place, force = x[begin : end + 1] / x[end], force[begin : end + 1]
+    slopes = []
+    for low in (1.0 - 2.0 * LEVEL_PART, 1.0 - LEVEL_PART):
+        part = (place >= low) & (place <= low + LEVEL_PART)
+        if part.sum() < FEWEST_OF_PART or not np.ptp(place[part]):
+            return 0.0, 0.0
+        slopes.append(float(np.polyfit(place[part], force[part], 1)[0]))
+    return LEVEL_PART * slopes[0], LEVEL_PART * slopes[1]
 
 
 def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
@@ -302,16 +552,24 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     strain = record.peak_displacement / rubber
     reached = f"displacement reaches {record.peak_displacement:.4g} mm"
     if strain > LARGEST_STRAIN:
-        said = f"{strain:.0%} of the total rubber thickness of {rubber:g} mm: wrong unit, or the "
-        yield refuse("strain", f"{reached}, {said}wrong bearing?")
+        message = (
+            f"{percent(strain)} of the total rubber thickness, {rubber:g} mm: wrong unit, or the "
+        )
+        yield refuse("strain", f"{reached}, {message}wrong bearing?")
     elif strain < SMALLEST_STRAIN:
-        said = f"displacement reaches only {strain:.1%} of the total rubber thickness: wrong unit?"
-        yield warn("strain", said)
-    file = record.rubber_thickness
-    if file is not None and abs(file - rubber) > OTHER_RUBBER * rubber:
-        said = f"displacement and strain give a total rubber thickness of {file:.4g} mm, but "
-        said += f"the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?"
-        yield warn("rubber", said)
+        message = f"{reached}, only {percent(strain, 1)} of the total rubber thickness: wrong unit?"
+        yield warn("strain", message)
+    speed = _mean_speed(record)
+    if speed <= FASTEST and speed / rubber > FASTEST_RATE:
+        message = f"the mean speed is {speed:.4g} mm/s, a strain rate of {speed / rubber:.3g} 1/s: "
+        yield warn("speed", f"{message}is time in minutes or ms labelled s?")
+    file_thickness = record.rubber_thickness
+    if file_thickness is not None and abs(file_thickness - rubber) > OTHER_RUBBER * rubber:
+        message = (
+            f"displacement and strain give a total rubber thickness of {file_thickness:.4g} mm, "
+            f"but the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?"
+        )
+        yield warn("rubber", message)
     try:
         measured = compute_measures(record, record.force, bearing.area, rubber)
     except InputError:  # a cycle with too few samples, which the check of sampling has refused
@@ -319,34 +577,74 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     modulus = largest_by(measured, lambda m: m.amplitude_mm).G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
     if not SOFTEST <= modulus <= STIFFEST:
-        less = "less than any rubber" if modulus < SOFTEST else "more than any bearing"
-        yield refuse("unit", f"{stated}, {less} has{_suspected_slip(modulus, strain)}")
+        comparison = "less than any rubber" if modulus < SOFTEST else "more than any bearing"
+        yield refuse("unit", f"{stated}, {comparison} has{_suspected_slip(modulus, strain)}")
     else:
         yield note("unit", stated)
 
 
 def _suspected_slip(modulus: float, strain: float) -> str:
     """Return the mistakes in units that would explain a modulus [MPa] and a strain."""
-    said = [
-        f"{what} ({modulus * force / way:.3g} MPa)"
-        for force, way, what in SLIPS
-        if SOFTEST < modulus * force / way < STIFFEST
-        and SMALLEST_STRAIN < strain * way < LARGEST_STRAIN
+    mistakes = [
+        f"{mistake} ({modulus * force_factor / length_factor:.3g} MPa)"
+        for force_factor, length_factor, mistake in SLIPS
+        if SOFTEST < modulus * force_factor / length_factor < STIFFEST
+        and SMALLEST_STRAIN < strain * length_factor < LARGEST_STRAIN
     ]
-    return f"; is {' or '.join(said)}?" if said else ""
+    return f"; is {' or '.join(mistakes)}?" if mistakes else ""
 
 
-def _check_thermocouples(record: TestRecord) -> Iterator[Finding]:
-    """Yield thermocouples that look broken, or do not start near the ambient temperature."""
+def _check_conditioning(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
+    """Yield a warning if the bearing cannot have reached the temperature of its chamber."""
+    numbers, ambient = chamber_numbers(), record.ambient
+    stated = record.conditioning
+    conditioning = stated or Conditioning(conditioned=numbers.usual)
+    if faults := conditioning_faults(conditioning, bearing, ambient):
+        for fault in faults:
+            yield refuse("conditioning", fault)
+        return
+    hours = hours_to_settle(bearing, conditioning, ambient)
+    if stated is None:
+        if hours > numbers.usual:
+            message = f"a bearing of this size takes {hours:.0f} h in a chamber to reach "
+            yield note(
+                "conditioning", f"{message}{ambient:.4g} degC; state conditioned if it had less"
+            )
+        return
+    start = soaked_start(bearing, stated, ambient)
+    if abs(start.rubber - ambient) > numbers.settled:
+        message = (
+            f"after {stated.conditioned:g} h the rubber is at {start.rubber:.1f} degC on average "
+            f"and not yet at {ambient:.4g} degC, which takes {hours:.0f} h; a calibration starts "
+            "from the computed temperatures"
+        )
+        if stated.inside is not None:
+            message += f" after {start.hours:.1f} h, which agree with the reading inside"
+        yield warn("conditioning", message)
+
+
+def check_thermocouples(record: TestRecord) -> Iterator[Finding]:
+    """Yield thermocouples in kelvin, that look broken, or do not start near the ambient."""
     for title, values in record.temperatures.items():
-        if values.min() < COLDEST or values.max() > HOTTEST:
+        # Before the range of the sensor: 296 K in a column of degC is a wrong unit, no broken
+        # sensor. Where the ambient temperature is not known, it is near that of laboratories.
+        ambient = ASSUMED_AMBIENT if np.isnan(record.ambient) else record.ambient
+        if abs(values[0] - ZERO_DEGC - ambient) < LIKE_KELVIN and values[0] > LOWEST_KELVIN:
+            yield refuse(
+                "thermocouple",
+                f"{title} starts at {values[0]:.4g} degC; in kelvin that would be "
+                f'{values[0] - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
+            )
+        elif values.min() < COLDEST or values.max() > HOTTEST:
             ends = f"{values.min():.3g} to {values.max():.3g} degC"
-            said = f"{title} reads {ends}: is the sensor broken?"
-            yield warn("thermocouple", said)
-        elif abs(values[0] - record.ambient) > 5.0:
-            said = f"{title} starts at {values[0]:.3g} degC, but the ambient temperature is "
-            said += f"{record.ambient:g} degC"
-            yield warn("thermocouple", said)
+            message = f"{title} reads {ends}: is the sensor broken?"
+            yield warn("thermocouple", message)
+        elif record.conditioning is None and abs(values[0] - record.ambient) > 5.0:
+            message = (
+                f"{title} starts at {values[0]:.3g} degC, but the chamber is at "
+                f"{record.ambient:.3g} degC: was the specimen there long enough?"
+            )
+            yield warn("thermocouple", message)
 
 
 def print_checks(reports: list[CheckReport]) -> None:

@@ -1,19 +1,22 @@
 """Noise, reversals and cycles of a record, and its loops in the test and in the model."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from itertools import groupby, pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.results.loop import measure_loop
 from thermobearing.results.metrics import (
     CycleMeasures,
+    cut_at_zeros,
     find_cycles,
     find_largest_loop,
-    loop_energy,
     measure_history,
 )
 
@@ -30,7 +33,7 @@ SAME = 0.05  # amplitudes closer than this, relative, are one level
 AWAY = 0.02  # of the largest displacement: moved at all
 CLOSING = 0.25  # of the amplitude before: a smaller cycle stops the motion and is no level
 ALIKE = 0.01  # of the largest displacement: noise, and reversals between two samples
-SMOOTHED = 20  # running means of a loop over a twentieth of it, for its peaks
+PART_OF_LEG = 0.5  # of the amplitude: larger motions back and forth are legs
 
 
 def estimate_noise(values: Floats) -> float:
@@ -58,6 +61,8 @@ def turning_points(x: Floats, threshold: float) -> Ints:
     turns, extreme, rising = [0], 0, 0
     values = x.tolist()
     for i, value in enumerate(values):
+        # The extreme of a leg moves on until the signal is back by the threshold: then it was a
+        # turn.
         if (rising >= 0 and value > values[extreme]) or (rising <= 0 and value < values[extreme]):
             extreme = i
         elif rising >= 0 and value < values[extreme] - threshold:
@@ -66,6 +71,7 @@ def turning_points(x: Floats, threshold: float) -> Ints:
         elif rising <= 0 and value > values[extreme] + threshold:
             turns.append(extreme)
             extreme, rising = i, 1
+        # The first leg has a direction once the motion exceeds the noise.
         if rising == 0 and abs(values[extreme] - values[0]) > threshold:
             rising = 1 if values[extreme] > values[0] else -1
     return np.unique([*turns, len(values) - 1]).astype(np.int64)
@@ -93,24 +99,26 @@ def _first_side(displacement: Floats) -> float:
     Cycles are cut where the motion comes back to that side: cut at the other crossings, a
     cycle would mix two amplitudes wherever the amplitude changes.
     """
-    away = np.flatnonzero(np.abs(displacement) > AWAY * np.abs(displacement).max())
-    return 1.0 if len(away) == 0 or displacement[away[0]] > 0.0 else -1.0
+    moved = np.flatnonzero(np.abs(displacement) > AWAY * np.abs(displacement).max())
+    return 1.0 if len(moved) == 0 or displacement[moved[0]] > 0.0 else -1.0
 
 
 def full_cycles(record: TestRecord) -> list[Cycle]:
     """Return the full cycles, from zero to zero, each beginning to the side of the first move."""
-    found: list[Cycle] = []
-    before, number = 0.0, 0
+    cycles: list[Cycle] = []
+    last_amplitude, number = 0.0, 0
     side = _first_side(record.displacement)
     for first, last in find_cycles(side * record.displacement):
         amplitude = 0.5 * float(np.ptp(record.displacement[first : last + 1]))
-        closing = amplitude < CLOSING * before
-        same = before > 0.0 and abs(amplitude / before - 1.0) < SAME
+        closing = amplitude < CLOSING * last_amplitude
+        # Closing cycles do not change the level: the next cycle is compared with the one before
+        # them.
+        same = last_amplitude > 0.0 and abs(amplitude / last_amplitude - 1.0) < SAME
         number = number + 1 if same and not closing else 1
         if not closing:
-            before = amplitude
-        found.append(Cycle(first, last, amplitude, number, closing))
-    return found
+            last_amplitude = amplitude
+        cycles.append(Cycle(first, last, amplitude, number, closing))
+    return cycles
 
 
 def compute_measures(
@@ -121,6 +129,70 @@ def compute_measures(
     return measure_history(
         side * record.displacement, side * force, area=area, total_rubber_thickness=rubber
     )
+
+
+class Zeros(NamedTuple):
+    """The zero of a signal in the course of a record."""
+
+    times: Floats  # [s]
+    values: Floats  # [mm or kN]
+
+
+def measure_zeros(record: TestRecord, name: str, cycles: list[Cycle]) -> Zeros:
+    """Return the zero of the force or of the displacement, from legs that follow each other.
+
+    A symmetric bearing has opposite mean forces, over the displacement, in legs to opposite sides.
+    Rubber that softens makes each leg weaker than the one before it. The mean of three legs with
+    the weights 1/4, 1/2 and 1/4 is free of a softening that is linear in their number, which the
+    middle of a loop is not: in the first loop it is up to 2 % of the peak.
+
+    The first three legs of an amplitude, which contain virgin rubber, count only where there are
+    no others. A single cycle has one complete leg: halves of two legs take its place.
+    """
+    values, times, zeros = getattr(record, name), list[float](), list[float]()
+    for first, last, amplitude in _levels(cycles):
+        x = record.displacement[first : last + 1]
+        turns = first + turning_points(x, PART_OF_LEG * amplitude)[1:-1]
+        legs = list(pairwise(turns.tolist()))
+        if len(legs) == 1:
+            (begin, end) = legs[0]
+            lengths = (0.5 * abs(x[end - first] - x[begin - first]), abs(x[-1] - x[end - first]))
+            means = [
+                _mean_over_displacement(record.displacement, values, leg, min(lengths))
+                for leg in (legs[0], (end, last))
+            ]
+            times.append(float(record.time[end]))
+            zeros.append(0.5 * sum(means))
+            continue
+        means = [_mean_over_displacement(record.displacement, values, leg) for leg in legs]
+        windows = range(1, len(means) - 1)
+        for k in windows[1:] or windows:
+            begin, end = legs[k]
+            times.append(0.5 * float(record.time[begin] + record.time[end]))
+            zeros.append(0.5 * means[k] + 0.25 * (means[k - 1] + means[k + 1]))
+    return Zeros(np.array(times), np.array(zeros))
+
+
+def _levels(cycles: list[Cycle]) -> Iterator[tuple[int, int, float]]:
+    """Yield the first and last sample of each row of cycles with one amplitude, and that [mm]."""
+    full = [cycle for cycle in cycles if not cycle.closing]
+    starts = np.cumsum([cycle.number == 1 for cycle in full])
+    for _, pairs in groupby(zip(starts, full, strict=True), key=lambda pair: pair[0]):
+        level = [cycle for _, cycle in pairs]
+        yield level[0].first, level[-1].last, level[0].amplitude
+
+
+def _mean_over_displacement(
+    x: Floats, values: Floats, leg: tuple[int, int], length: float | None = None
+) -> float:
+    """Return the mean of a signal over the displacement of a leg, or over its first `length`."""
+    rows = slice(leg[0], leg[1] + 1)
+    travel = np.maximum.accumulate(np.abs(x[rows] - x[leg[0]]))
+    length = float(travel[-1]) if length is None else length
+    inside = travel < length
+    places = np.append(travel[inside], length)
+    heights = np.append(values[rows][inside], np.interp(length, travel, values[rows]))
+    return float(np.trapezoid(heights, places) / length)
 
 
 def loop_middles(values: Floats, cycles: list[Cycle]) -> Floats:
@@ -196,13 +268,13 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
         if not cycle.closing
     ]
     loops = [loop for loop in loops if loop.test["energy"] > 0.0]
-    found = find_largest_loop(record.displacement, ALIKE)
-    if found is None:
+    ends = find_largest_loop(record.displacement, ALIKE)
+    if ends is None:
         return loops, None
     for loop in loops:  # which may begin a sample later, inside its zeros
-        if abs(loop.first - found[0]) <= 1 and abs(loop.last - found[1]) <= 1:
+        if abs(loop.first - ends[0]) <= 1 and abs(loop.last - ends[1]) <= 1:
             return loops, loop
-    largest = _loop(record, force, *found)
+    largest = _loop(record, force, *ends)
     return loops, largest if largest.test["energy"] > 0.0 else None
 
 
@@ -252,13 +324,17 @@ def _strength(x: Floats, force: Floats) -> float:
 
 
 def _measures(x: Floats, force: Floats) -> dict[str, float]:
-    """Return the peaks, K_eq and h_eq (Eq. 3.1, 3.2) and the energy of a loop.
+    """Return the extreme forces, K_eq and h_eq (Eq. 3.1, 3.2) and the energy of a loop.
 
-    The peaks are those of a short running mean: noise adds to extremes of samples.
+    They are those of `measure`, of the loop cut at zero displacement.
     """
-    window = max(1, len(force) // SMOOTHED)
-    mean = np.convolve(force, np.full(window, 1.0 / window), "valid")
-    high, low, span = float(mean.max()), float(mean.min()), float(np.ptp(x))
-    stiffness, energy = (high - low) / span, loop_energy(x, force)
-    damping = 2.0 * energy / (np.pi * stiffness * span**2)
-    return {"F+": high, "F-": low, "K_eq": stiffness, "h_eq": damping, "energy": energy}
+    x, force = cut_at_zeros(x, force)
+    # The size of the bearing matters to G_e only.
+    cycle = CycleMeasures(*measure_loop(x, force, 1.0, 1.0, math.nan, False))
+    return {
+        "F+": cycle.force_max_kN,
+        "F-": cycle.force_min_kN,
+        "K_eq": cycle.stiffness_kN_mm,
+        "h_eq": cycle.h_eq,
+        "energy": cycle.energy_kN_mm,
+    }

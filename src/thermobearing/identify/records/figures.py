@@ -42,26 +42,29 @@ def draw_record(
     marked as an assumption.
     """
     record, axis = report.record, _time_axis(report)
-    warm = bool(record.temperatures) or ambient is not None
+    has_temperatures = bool(record.temperatures) or ambient is not None
     title = f"{printable(record.name)}: {report.outcome}, {len(record.time)} samples, "
-    title += f"ambient {drawing.degrees(record.ambient)}{' (assumed)' if assumed else ''}"
+    temperature = f"{drawing.degrees(record.ambient)}{' (assumed)' if assumed else ''}"
+    title += f"ambient {'not known' if record.unclear else temperature}"
     sentences = [f"- {finding.level}: {finding.sentence}" for finding in report.findings]
     room = drawing.fitting(LETTERS)
-    shown = "\n".join(textwrap.fill(printable(text), room) for text in sentences)
-    size = (drawing.WIDEST, (7.6 if warm else 5.0) + LINE * (shown.count("\n") + 1))
-    figure, axes = drawing.panels(3 if warm else 2, 2, size, title, least=drawing.NARROW)
+    findings = "\n".join(textwrap.fill(printable(text), room) for text in sentences)
+    size = (drawing.WIDEST, (7.6 if has_temperatures else 5.0) + LINE * (findings.count("\n") + 1))
+    figure, axes = drawing.panels(
+        3 if has_temperatures else 2, 2, size, title, least=drawing.NARROW
+    )
     _draw_history(axes[0], report, axis, "displacement")
     _draw_history(axes[1], report, axis, "force")
     x, force, loops = record.displacement, record.force, axes[2]
     width, height = (max(float(np.ptp(values)), 1e-9) for values in (x, force))
-    kept = drawing.thin_loops(x, force, width, height)
-    loops.plot(x[kept], force[kept], color=drawing.INK, linewidth=0.6)
+    samples = drawing.thin_loops(x, force, width, height)
+    loops.plot(x[samples], force[samples], color=drawing.INK, linewidth=0.6)
     drawing.name_axes(loops, "displacement [mm]", "force [kN]", "loops as recorded")
     _draw_middles(axes[3], report)
-    if warm:
+    if has_temperatures:
         _draw_temperatures(axes[4], report, axis, ambient)
         axes[5].set_visible(False)
-    figure.supxlabel(shown, fontsize=drawing.SMALL, x=0.02, ha="left")
+    figure.supxlabel(findings, fontsize=drawing.SMALL, x=0.02, ha="left")
     return figure
 
 
@@ -71,15 +74,15 @@ def _time_axis(report: CheckReport) -> DrawnAxis:
     gaps = np.flatnonzero(np.diff(time) > PAUSE).tolist()
     rests = sorted({*(treatment.rests if treatment else []), *((k, k + 1) for k in gaps)})
     ends: list[tuple[int, int, bool]] = []
-    before = 0
+    drawn_to = 0
     for first, last in [*rests, (len(time) - 1, len(time) - 1)]:
-        if first > before:
-            ends.append((before, first, False))
-        if last > max(first, before):
-            ends.append((max(first, before), last, True))
-        before = max(before, last)
-    lasting = [(a, b, rest, float(time[b] - time[a])) for a, b, rest in ends]
-    return DrawnAxis([Stretch(a, b, rest, span, span) for a, b, rest, span in lasting])
+        if first > drawn_to:
+            ends.append((drawn_to, first, False))
+        if last > max(first, drawn_to):
+            ends.append((max(first, drawn_to), last, True))
+        drawn_to = max(drawn_to, last)
+    lasting = [(a, b, resting, float(time[b] - time[a])) for a, b, resting in ends]
+    return DrawnAxis([Stretch(a, b, resting, span, span) for a, b, resting, span in lasting])
 
 
 def _places(axis: DrawnAxis, time: Floats) -> Floats:
@@ -110,8 +113,8 @@ def _draw_history(ax: Axes, report: CheckReport, axis: DrawnAxis, name: str) -> 
     """Draw a signal: rests, spikes, clipped samples, beginnings of blocks and cycles, its drift."""
     record, treatment, unit = report.record, report.treatment, UNITS[name]
     time, values = _places(axis, record.time), getattr(record, name)
-    kept = _kept(axis, values)
-    ax.plot(time[kept], values[kept], color=drawing.INK, linewidth=0.7)
+    samples = _kept(axis, values)
+    ax.plot(time[samples], values[samples], color=drawing.INK, linewidth=0.7)
     starts = [cycle.first for cycle in report.cycles]
     ax.plot(time[starts], np.zeros(len(starts)), "|", color=MARK, markersize=7)
     marks = ["bars: cycles"] if starts else []
@@ -133,9 +136,10 @@ def _draw_history(ax: Axes, report: CheckReport, axis: DrawnAxis, name: str) -> 
             marks.append("crosses: spikes")
         if name in treatment.drifts:
             drift = treatment.drifts[name]
+            # The line goes through the middles of the loops, not through zero.
             middle = float(np.median(drift.middles - drift.slope * drift.times))
-            line = middle + drift.slope * record.time[kept]
-            ax.plot(time[kept], line, color=DRIFT, linewidth=1.4)
+            line = middle + drift.slope * record.time[samples]
+            ax.plot(time[samples], line, color=DRIFT, linewidth=1.4)
             marks.append(f"line: drift of {drift.total:.3g} {unit}")
     _name_axes(ax, axis, f"{name} [{unit}]", ", ".join(marks) or "no findings")
 
@@ -148,12 +152,15 @@ def _draw_temperatures(
     time = _places(axis, record.time)
     colours = drawing.ordered_colours(max(len(record.temperatures), 1), "turbo")
     for (title, values), colour in zip(record.temperatures.items(), colours, strict=False):
-        kept, label = _kept(axis, values), f"{title} ({record.places[title]})"
-        ax.plot(time[kept], values[kept], color=colour, linewidth=0.9, label=label)
+        samples, label = _kept(axis, values), f"{title} ({record.places[title]})"
+        ax.plot(time[samples], values[samples], color=colour, linewidth=0.9, label=label)
     if ambient is not None:
-        kept = _kept(axis, ambient)
-        ax.plot(time[kept], ambient[kept], color=REST, linewidth=0.5, zorder=0)
-    ax.axhline(record.ambient, color=drawing.GREY, linewidth=1.2, linestyle="--", label="ambient")
+        samples = _kept(axis, ambient)
+        ax.plot(time[samples], ambient[samples], color=REST, linewidth=0.5, zorder=0)
+    if not record.unclear:
+        ax.axhline(
+            record.ambient, color=drawing.GREY, linewidth=1.2, linestyle="--", label="ambient"
+        )
     _name_axes(ax, axis, "temperature [degC]", "temperatures")
     ax.legend(fontsize=drawing.SMALL, frameon=False)
 
@@ -170,9 +177,9 @@ def _draw_middles(ax: Axes, report: CheckReport) -> None:
         drift = report.treatment.drifts.get(name) if report.treatment else None
         if drift is not None:
             begins = record.time[[cycle.first for cycle in full]]
-            away = drift.begin + drift.slope * (begins - drift.times[0])
-            number, label = np.arange(1, len(away) + 1), f"drift of {name}"
-            ax.plot(number, 100.0 * away / peak, "--", color=colour, linewidth=1.0, label=label)
+            drifted = drift.begin + drift.slope * (begins - drift.times[0])
+            number, label = np.arange(1, len(drifted) + 1), f"drift of {name}"
+            ax.plot(number, 100.0 * drifted / peak, "--", color=colour, linewidth=1.0, label=label)
     ax.axhline(0.0, color=drawing.GREY, linewidth=0.8)
     drawing.name_axes(ax, "cycle", "middle of loop [% of peak]", "drift and offset")
     ax.legend(fontsize=drawing.SMALL, frameon=False)

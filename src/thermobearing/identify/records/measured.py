@@ -11,10 +11,9 @@ from matplotlib.figure import Figure
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.lazy import pd
-from thermobearing.identify.records.checks import check_plausibility
-from thermobearing.identify.records.cycles import full_cycles
+from thermobearing.identify.records.checks import check_test, check_thermocouples
 from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
-from thermobearing.identify.records.treatment import describe_treatment, treat
+from thermobearing.identify.records.treatment import describe_treatment
 from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -71,19 +70,39 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     """Measure the full cycles in a laboratory file.
 
     `path` is a table with displacement and force, or its sidecar; `bearing` gives the plan area and
-    the rubber thickness. A file without a full cycle raises InputError.
+    the rubber thickness. A file without a full cycle, or that the checks of a calibration refuse,
+    raises InputError.
     """
     readings = read_laboratory(path)
-    values = {name: some for name, some in readings.values.items() if name != "ambient"}
+    values = {name: samples for name, samples in readings.values.items() if name != "ambient"}
     record = build_record(replace(readings, values=values))
-    notes = list(readings.assumptions)
+    # A measured loop depends on no temperature; a column of them in a wrong unit is still told.
+    stated = readings.sidecar.ambient
+    temperatures = list(
+        check_thermocouples(replace(record, ambient=math.nan if stated is None else stated))
+    )
+    record = replace(record, temperatures={}, conditioning=None, unclear="", assumptions=())
+    report = check_test(record, bearing)
+    refused = [
+        finding.sentence
+        for finding in report.findings
+        if finding.level == "refused" and finding.check != "cycles"
+    ]
+    if refused:
+        raise InputError(refused, str(path))
+    notes = [*readings.assumptions, *(f.sentence for f in report.findings if f.level == "warning")]
+    notes += [finding.sentence for finding in temperatures]
     rests: list[tuple[int, int]] = []
-    if (np.diff(record.time) > 0.0).all() and np.ptp(record.displacement) and np.ptp(record.force):
-        found = treat(record)
-        still = np.abs(np.diff(record.displacement)) <= STILL * record.peak_displacement
-        slept = np.flatnonzero((np.diff(record.time) > PAUSE) & still).tolist()  # not logged
-        record, rests = found.cleaned, sorted([*found.rests, *((k, k + 1) for k in slept)])
-        notes += [f.sentence for f in describe_treatment(found) if f.check in ("spikes", "drift")]
+    if (treatment := report.treatment) is not None:
+        resting = np.abs(np.diff(record.displacement)) <= STILL * record.peak_displacement
+        # Loggers that sleep in a rest leave a gap without motion instead of samples.
+        unlogged = np.flatnonzero((np.diff(record.time) > PAUSE) & resting).tolist()  # not logged
+        record, rests = (
+            treatment.cleaned,
+            sorted([*treatment.rests, *((k, k + 1) for k in unlogged)]),
+        )
+        removed = [f for f in describe_treatment(treatment) if f.level == "note"]
+        notes += [f.sentence for f in removed if f.check in ("spikes", "drift")]
     x = record.displacement
     cycles = found_cycles(x, rests=rests)
     full = [cycle for cycle in cycles if cycle.ends != "incomplete"]
@@ -92,8 +111,6 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         notes.append("an incomplete cycle is not measured")
     if "rest" in ends:
         notes.append("a cycle before a rest ends where the motion stops: Q_d uses the force there")
-    if full_cycles(record):
-        notes += [f.sentence for f in check_plausibility(record, bearing) if f.level != "note"]
     if readings.unused:
         notes.append(f"columns not used: {', '.join(readings.unused)}")
     rubber = bearing.total_rubber_thickness
@@ -106,27 +123,27 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     return MeasuredCycles(measures, ends, notes, record, rows, rubber)
 
 
-def _draw_loops(found: MeasuredCycles) -> Figure:
+def _draw_loops(measured: MeasuredCycles) -> Figure:
     """Draw the loop of each full cycle, those of about one amplitude in a panel."""
     levels: dict[int, list[int]] = {}
-    for number, cycle in enumerate(found.measures):
-        strain = cycle.amplitude_mm / found.total_rubber_thickness
+    for number, cycle in enumerate(measured.measures):
+        strain = cycle.amplitude_mm / measured.total_rubber_thickness
         levels.setdefault(round(100.0 * strain / NEAR) * NEAR, []).append(number)
     across = min(len(levels), MOST_ACROSS)
     down = math.ceil(len(levels) / across)
-    title = f"{printable(found.record.name)}: {len(found.measures)} full cycles"
+    title = f"{printable(measured.record.name)}: {len(measured.measures)} full cycles"
     size = (drawing.WIDEST, 0.8 + 2.6 * down)
     figure, axes = drawing.panels(down, across, size, title)
-    x, force = found.record.displacement, found.record.force
+    x, force = measured.record.displacement, measured.record.force
     for ax, (level, numbers) in zip(axes, sorted(levels.items()), strict=False):
         colours = drawing.ordered_colours(len(numbers), "viridis")
         for number, colour in zip(numbers, colours, strict=True):
-            rows = found.rows[number]
+            rows = measured.rows[number]
             ax.plot(x[rows], force[rows], color=colour, linewidth=0.8)
-        which = ", ".join(str(number + 1) for number in numbers)
+        listed = ", ".join(str(number + 1) for number in numbers)
         if len(numbers) > FEW:
-            which = f"{numbers[0] + 1} (dark) to {numbers[-1] + 1}"
-        name = f"about {level} %: {'cycle' if len(numbers) == 1 else 'cycles'} {which}"
+            listed = f"{numbers[0] + 1} (dark) to {numbers[-1] + 1}"
+        name = f"about {level} %: {'cycle' if len(numbers) == 1 else 'cycles'} {listed}"
         drawing.name_axes(ax, "displacement [mm]", "force [kN]", name)
     for ax in axes[len(levels) :]:
         ax.set_axis_off()

@@ -5,6 +5,7 @@ sidecars. Assumptions (clock, ambient temperature) are stored with it.
 """
 
 import hashlib
+import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,15 +15,19 @@ from pydantic import Field
 
 from thermobearing.bearing.ambient import check_temperature
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
+from thermobearing.cyclic.conditioning import filled
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
+from thermobearing.tables.conditioning import Conditioning
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
+MOST_SHOWN = 3  # columns in a question
 READ_TO = 1  # decimals of a temperature in K
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
@@ -30,6 +35,7 @@ WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
 SETTINGS = [*WEIGHTS, "despike", "detrend", "ambient_uncertainty"]  # of a sidecar
 ABOUT = ("specimen", "laboratory", "date", "scragged")  # of a sidecar
 PAUSE = 1.0  # a longer gap between samples is a rest, divided into growing steps [s]
+CLOSE = 2.0  # to the assumed ambient temperature: what a thermocouple may deviate from it [K]
 STEADY = 3.0  # largest range of an ambient temperature that a mean represents [K]
 
 
@@ -43,22 +49,27 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
     """Return a sentence if the ambient temperature [degC] drifts within a test, else ""."""
     if not (np.diff(time) > 0.0).all():  # a look at the test refuses it
         return ""
+    # Medians of parts of the test: noise and a door that was opened are not drift.
     part = np.minimum((time - time[0]) / np.ptp(time) * PARTS, PARTS - 1).astype(np.int64)
     middles = np.array([np.median(ambient[part == k]) for k in np.unique(part)])
     line = float(np.polyfit(time - time.mean(), ambient, 1)[0] * np.ptp(time))
     wandered = max(abs(line), float(np.ptp(middles)))
-    known = read_data(ChamberNumbers, "identify", "ambient.toml")
-    if round(wandered, READ_TO) < known.ambient_drift:
+    numbers = read_data(ChamberNumbers, "identify", "ambient.toml")
+    if round(wandered, READ_TO) < numbers.ambient_drift:
         return ""
-    straight = abs(line) >= 0.5 * wandered
-    way = "wanders" if not straight else "rises" if line > 0.0 else "falls"
+    low, high = float(middles.min()), float(middles.max())
+    change = f"varies between {low:.1f} and {high:.1f} degC"
+    # Mostly a straight line: a trend is named as one.
+    if abs(line) >= 0.5 * wandered:
+        begin, end = np.mean(ambient) - 0.5 * line, np.mean(ambient) + 0.5 * line
+        change = f"{'rises' if line > 0.0 else 'falls'} from {begin:.1f} to {end:.1f} degC"
     return (
-        f"the ambient temperature {way} by {wandered:.1f} K within the test, from "
-        f"{middles[0]:.1f} to {middles[-1]:.1f} degC: the mean, {ambient.mean():.1f} degC, is used "
-        "for the complete test; split the file or state ambient if that is too inaccurate"
+        f"the ambient temperature {change} within the test; the mean, {ambient.mean():.1f} degC, "
+        "is used. Split the file, or state ambient, if that is too inaccurate"
     )
 
 
+@checked
 @dataclass(frozen=True)
 class TestRecord:
     """One test of one bearing at one ambient temperature.
@@ -84,8 +95,16 @@ class TestRecord:
         "both", or "".
     ambient_uncertainty : standard uncertainty of `ambient` [K], >= 0; None for the usual 0.5 K.
     start_offset : temperature of the specimen at the start, less that of the chamber [K].
+    conditioning : how long the specimen was in its chamber, and from what temperature: the bearing
+        then starts at temperatures of the soaking model, plus `start_offset`; None where the record
+        does not state it.
     about : specimen, laboratory, date and scragged (whether the rubber was loaded before), as
         stated.
+    unclear : why `ambient` is not known although a column of the file may state it; "" if it is.
+        `load_test` refuses such a file, and so does every check.
+    subtracted : offsets that the sidecar subtracts from the readings of "force" [kN] and
+        "displacement" [mm], before the sign is reversed.
+    reversed_force : the sign of the readings of the force was reversed.
     """
 
     __test__ = False  # not a test for pytest
@@ -111,20 +130,26 @@ class TestRecord:
     ambient_uncertainty: float | None = None
     guessed_places: tuple[str, ...] = ()
     start_offset: float = 0.0
+    conditioning: Conditioning | None = None
     about: dict[str, str | bool] = field(default_factory=dict)
+    unclear: str = ""
+    subtracted: dict[str, float] = field(default_factory=dict)
+    reversed_force: bool = False
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
         layers = [f"rubber {k + 1}" for k in range(bearing.geometry.rubber_layers)]
-        held = {*layers, "lead"} if bearing.lead is not None else set(layers)
-        lost = {title for title in self.guessed_places if self.places.get(title) not in held}
-        if not lost:
+        bearing_places = {*layers, "lead"} if bearing.lead is not None else set(layers)
+        absent = {
+            title for title in self.guessed_places if self.places.get(title) not in bearing_places
+        }
+        if not absent:
             return self
         return replace(
             self,
-            places={title: place for title, place in self.places.items() if title not in lost},
-            temperatures={t: values for t, values in self.temperatures.items() if t not in lost},
-            unused=(*self.unused, *sorted(lost - set(self.unused))),
+            places={title: place for title, place in self.places.items() if title not in absent},
+            temperatures={t: values for t, values in self.temperatures.items() if t not in absent},
+            unused=(*self.unused, *sorted(absent - set(self.unused))),
         )
 
     @property
@@ -138,6 +163,7 @@ class TestRecord:
         return float(np.abs(self.displacement).max())
 
 
+@checked
 def record_from_arrays(
     time: Floats, displacement: Floats, force: Floats, ambient: float, *, name: str = "test"
 ) -> TestRecord:
@@ -160,16 +186,17 @@ def record_from_arrays(
     >>> record_from_arrays(t, np.sin(t), 2.0 * np.sin(t), 23.0).peak_force > 1.9
     True
     """
-    given = {"time": time, "displacement": displacement, "force": force}
-    columns = [number_list(values, f"{name}: {what}") for what, values in given.items()]
+    samples = {"time": time, "displacement": displacement, "force": force}
+    columns = [number_list(values, f"{name}: {signal}") for signal, values in samples.items()]
     if len({len(values) for values in columns}) != 1:
         raise InputError("time, displacement and force must be lists of the same length", name)
     block = np.zeros(len(columns[0]), dtype=np.int64)
     x, f = columns[1], columns[2]
-    at = check_temperature(ambient, f"{name}: ambient")
-    return TestRecord(name, columns[0], x, f, block=block, ambient=float(at))
+    temperature = check_temperature(ambient, f"{name}: ambient")
+    return TestRecord(name, columns[0], x, f, block=block, ambient=float(temperature))
 
 
+@checked
 def load_test(path: str | Path) -> TestRecord:
     r"""Read a test from its table of samples or from its TOML sidecar.
 
@@ -180,7 +207,8 @@ def load_test(path: str | Path) -> TestRecord:
 
     Raises
     ------
-    InputError : unreadable file, unknown key or column, wrong unit, a cell that is not a number.
+    InputError : unreadable file, unknown key or column, wrong unit, a cell that is not a number; no
+        ambient temperature is stated, but a column may be that of the chamber.
 
     Examples
     --------
@@ -193,17 +221,25 @@ def load_test(path: str | Path) -> TestRecord:
     >>> record.name, record.ambient, record.peak_force
     ('cold', -20.0, 9.0)
     """
-    return build_record(read_laboratory(path))
+    record = build_record(read_laboratory(path))
+    if record.unclear:
+        raise InputError(record.unclear, record.file)
+    return record
 
 
 def build_record(readings: Readings) -> TestRecord:
     """Return a test from the columns and settings that were read of its file."""
     sidecar, values = readings.sidecar, readings.values
     assumptions = list(readings.assumptions)
-    where = Path(sidecar.bearing) if sidecar.bearing else None
-    inside = where is not None and where.suffix == ".toml" and not where.is_absolute()
+    bearing_file = Path(sidecar.bearing) if sidecar.bearing else None
+    inside = (
+        bearing_file is not None
+        and bearing_file.suffix == ".toml"
+        and not bearing_file.is_absolute()
+    )
     thickness = _rubber_thickness(values, assumptions)
-    given = readings.given.get("thermocouples", {})
+    stated_places = readings.given.get("thermocouples", {})
+    unclear = _describe_unclear_ambient(readings)
     return TestRecord(
         name=sidecar.name or readings.file.stem,
         file=str(readings.file),
@@ -211,14 +247,25 @@ def build_record(readings: Readings) -> TestRecord:
         displacement=readings.displacement,
         force=readings.force,
         block=readings.block,
-        ambient=_ambient(readings, assumptions),
+        ambient=math.nan if unclear else _ambient(readings, assumptions),
+        unclear=unclear,
+        conditioning=_conditioning(readings, assumptions),
         temperatures={title: values[title] for title in sidecar.thermocouples},
         places=dict(sidecar.thermocouples),
         assumptions=tuple(dict.fromkeys(assumptions)),
-        bearing=str(readings.file.parent / where) if inside and where else sidecar.bearing,
+        bearing=str(readings.file.parent / bearing_file)
+        if inside and bearing_file
+        else sidecar.bearing,
         unused=tuple(readings.unused),
         rubber_thickness=thickness,
-        guessed_places=tuple(title for title in sidecar.thermocouples if title not in given),
+        guessed_places=tuple(
+            title for title in sidecar.thermocouples if title not in stated_places
+        ),
+        subtracted={
+            "force": sidecar.force_offset,
+            "displacement": sidecar.displacement_offset,
+        },
+        reversed_force=sidecar.flip_force,
         about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
@@ -229,12 +276,38 @@ def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> floa
     strain = values.get("strain")
     if strain is None or not np.ptp(strain):
         return None
-    way, strain = values["displacement"] - values["displacement"].mean(), strain - strain.mean()
-    slope = float(way @ strain / (strain @ strain))
-    if float(np.abs(way - slope * strain).max()) > TOGETHER * float(np.abs(way).max()):
+    motion, strain = values["displacement"] - values["displacement"].mean(), strain - strain.mean()
+    slope = float(motion @ strain / (strain @ strain))
+    if float(np.abs(motion - slope * strain).max()) > TOGETHER * float(np.abs(motion).max()):
         assumptions.append("the strains are not proportional to the displacement and are not used")
         return None
     return abs(100.0 * slope)
+
+
+def _describe_unclear_ambient(readings: Readings) -> str:
+    """Return why the ambient temperature cannot be assumed; "" if it is stated, or nothing is.
+
+    A column that begins at another temperature than the assumed one contradicts it: it is that of
+    the chamber, or of a specimen that was in one.
+    """
+    columns = readings.recognised.columns
+    if readings.sidecar.ambient is not None or any(c.holds == "ambient" for c in columns):
+        return ""
+    colder = [
+        column
+        for column in columns
+        if column.begins is not None and abs(column.begins - ASSUMED_AMBIENT) > CLOSE
+    ]
+    if not colder:
+        return ""
+    column_texts = " and ".join(
+        f'"{column.title}" {column.question}' for column in colder[:MOST_SHOWN]
+    )
+    return (
+        f"no ambient temperature is stated, but column {column_texts}: is that the temperature of "
+        f'the chamber? Set ambient = "{colder[0].title}" in [columns] of the sidecar, or state '
+        'ambient = "... degC" there'
+    )
 
 
 def _ambient(readings: Readings, assumptions: list[str]) -> float:
@@ -243,18 +316,32 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
         return readings.sidecar.ambient
     column = readings.values.get("ambient")
     if column is None:
-        said = f"no ambient temperature is stated: {ASSUMED_AMBIENT:g} degC is assumed"
-        assumptions.append(said)
+        message = f"no ambient temperature is stated; {ASSUMED_AMBIENT:g} degC is assumed"
+        assumptions.append(message)
         return ASSUMED_AMBIENT
     if np.ptp(column) > STEADY:
         raise InputError(
-            f"the ambient temperature ranges from {column.min():g} to {column.max():g} degC, but a "
-            "record has one: split the file by temperature, or state ambient",
+            f"the ambient temperature ranges from {column.min():.3g} to {column.max():.3g} degC, "
+            "but a test has one: split the file by temperature, or state ambient",
             str(readings.file),
         )
     drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""
     assumptions += [drift] if drift else []
     return check_temperature(float(column.mean()), f"{readings.file}: ambient")
+
+
+def _conditioning(readings: Readings, assumptions: list[str]) -> Conditioning | None:
+    """Return how the specimen was brought to the temperature of its chamber, if that is stated."""
+    stated = readings.sidecar.conditioning
+    if stated is None:
+        return None
+    complete = filled(stated)
+    if stated.before is None:
+        assumptions.append(
+            f"the temperature of the specimen before its time in the chamber is not stated; "
+            f"{complete.before:g} degC is assumed. State before in the sidecar"
+        )
+    return complete
 
 
 def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
@@ -277,8 +364,22 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         "thermocouples": dict(record.places),
         **{name: getattr(record, name) for name in WEIGHTS},
         **record.about,
+        **_stated_conditioning(record.conditioning),
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
+    }
+
+
+def _stated_conditioning(conditioning: Conditioning | None) -> dict[str, Any]:
+    """Return the conditioning of a record for summary.json; nothing if it is not stated."""
+    if conditioning is None:
+        return {}
+    return {
+        "conditioned_h": conditioning.conditioned,
+        "before_degC": conditioning.before,
+        "inside_degC": conditioning.inside,
+        "inside_place": conditioning.inside_place,
+        "chamber_film_W_m2K": conditioning.chamber_film,
     }
 
 
@@ -291,6 +392,6 @@ def reached_values(
     the lowest and highest temperature of the lead [degC].
     """
     time, x = record.time, record.displacement
-    ends, warm = (ambient, ambient), None if lead is None else np.array(lead)
+    ends, lead_ends = (ambient, ambient), None if lead is None else np.array(lead)
     speed = largest_speed(time, x)
-    return reached_by(time, x, speed, rubber=rubber, ambient=ends, lead=warm)
+    return reached_by(time, x, speed, rubber=rubber, ambient=ends, lead=lead_ends)

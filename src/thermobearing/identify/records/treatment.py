@@ -25,13 +25,13 @@ from thermobearing.identify.records.cycles import (
     Cycle,
     estimate_noise,
     full_cycles,
-    loop_middles,
+    measure_zeros,
     split_runs,
     turning_points,
 )
 from thermobearing.identify.records.record import PAUSE, TestRecord
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.report.words import counted
+from thermobearing.quantities.words import counted, percent
 
 Flags = NDArray[np.bool_]
 UNITS = {"displacement": "mm", "force": "kN"}
@@ -48,9 +48,9 @@ SMALL = 0.02  # of the peak: smaller ones do a fit no harm
 FAST = 3.0  # times the speed of the test: no actuator leaps so
 STEEP = 10.0  # times the stiffness of the test: no loop is steeper where it turns
 LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
-DRIFT = 0.03  # of the peak, over the record: heating and growing cycles move the middles by 2 %
+DRIFT = 0.03  # of the peak, over the record: heating moves the zeros by less
 SURE = 4.0  # standard errors of its slope: less may be chance
-FEWEST_CYCLES = 4  # a line through fewer middles, without first cycles, says nothing
+FEWEST_ZEROS = 4  # a line through fewer zeros says nothing
 
 
 @dataclass(frozen=True)
@@ -72,16 +72,17 @@ def _find_rests(record: TestRecord) -> list[tuple[int, int]]:
     shortest = max(PAUSE, PART * _leg_time(record))
     first = _reach(x, band)
     ends = np.flatnonzero(time - time[first] >= shortest)
-    found: list[tuple[int, int]] = []
+    rests: list[tuple[int, int]] = []
     for end in ends.tolist():
         begin = int(first[end])
-        if found and begin <= found[-1][0]:
-            found[-1] = (found[-1][0], end)
+        # A later sample that the same band reaches extends the rest.
+        if rests and begin <= rests[-1][0]:
+            rests[-1] = (rests[-1][0], end)
             continue
-        begin = max(begin, found[-1][1] + 1) if found else begin  # after one that crept away
+        begin = max(begin, rests[-1][1] + 1) if rests else begin  # after one that crept away
         if time[end] - time[begin] >= shortest:
-            found.append((begin, end))
-    return [(a, b) for a, b in found if b - a + 1 >= FEWEST]
+            rests.append((begin, end))
+    return [(a, b) for a, b in rests if b - a + 1 >= FEWEST]
 
 
 def _leg_time(record: TestRecord) -> float:
@@ -89,9 +90,9 @@ def _leg_time(record: TestRecord) -> float:
     x, peak = record.displacement, record.peak_displacement
     times = []
     for a, b in pairwise(turning_points(x, LARGE * peak).tolist()):
-        way = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
-        if way[-1] >= LARGE * peak:
-            low, high = np.searchsorted(way, [0.1 * way[-1], 0.9 * way[-1]])
+        travel = np.maximum.accumulate(np.abs(x[a : b + 1] - x[a]))
+        if travel[-1] >= LARGE * peak:
+            low, high = np.searchsorted(travel, [0.1 * travel[-1], 0.9 * travel[-1]])
             times.append(record.time[a + high] - record.time[a + low])
     return float(np.median(times)) if times else 0.0
 
@@ -108,6 +109,8 @@ def _reach(x: Floats, band: float) -> Ints:
             lows.pop()
         highs.append(i)
         lows.append(i)
+        # Monotonic queues hold the candidates for the extremes of the window, so that the search is
+        # linear in the number of samples.
         while values[highs[0]] - values[lows[0]] > band:
             begin += 1
             for extremes in (highs, lows):
@@ -132,19 +135,20 @@ def _thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestR
     temperatures are means of the samples that they stand for.
     """
     resting = np.zeros(len(record.time), dtype=bool)
-    parts, before = [], 0
+    parts, next_sample = [], 0
     columns = {"force": record.force.copy()}
     columns |= {title: values.copy() for title, values in record.temperatures.items()}
     for first, last in rests:
         resting[first : last + 1] = True
+        # Squares: a bearing cools fastest at the beginning of a rest.
         places = np.linspace(0.0, 1.0, KEPT if record.temperatures else 2) ** 2
         nodes = np.unique(np.rint(first + (last - first) * places).astype(np.int64))
         edges = [first, *((nodes[:-1] + nodes[1:] + 1) // 2).tolist(), last + 1]
         for values in columns.values():
             values[nodes] = [values[a:b].mean() for a, b in pairwise(edges)]
-        parts += [np.arange(before, first), nodes]
-        before = last + 1
-    kept = np.concatenate([*parts, np.arange(before, len(record.time))])
+        parts += [np.arange(next_sample, first), nodes]
+        next_sample = last + 1
+    kept = np.concatenate([*parts, np.arange(next_sample, len(record.time))])
     short = replace(
         record,
         time=record.time[kept],
@@ -157,10 +161,10 @@ def _thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestR
 
 
 class Drift(NamedTuple):
-    """Drift of the zero of a signal: a straight line in time through the middles of its loops."""
+    """Drift of the zero of a signal: a straight line in time."""
 
-    times: Floats  # middles of the cycles that count [s]
-    middles: Floats  # of their loops [mm or kN]
+    times: Floats  # of the zeros [s]
+    middles: Floats  # of their legs [mm or kN]
     slope: float  # [mm/s or kN/s]
     begin: float  # of the line at the first of these times [mm or kN]
     total: float  # over the record [mm or kN]
@@ -182,8 +186,8 @@ class Treatment:
     def to_fit(self, left_out: Flags) -> tuple[TestRecord, Flags]:
         """Return the record for a calibration, and the samples whose force has no weight."""
         bad = left_out | self.spikes["force"] if self.record.despike else left_out
-        short, kept, resting = _thin_rests(self.cleaned, self.rests)
-        return short, bad[kept] | resting
+        short, samples, resting = _thin_rests(self.cleaned, self.rests)
+        return short, bad[samples] | resting
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the treatment."""
@@ -194,7 +198,7 @@ class Treatment:
             "spikes": {name: len(split_runs(flags)) for name, flags in self.spikes.items()},
             "spikes_removed": self.record.despike,
             "drift": {f"{name}_{UNITS[name]}": drift.total for name, drift in self.drifts.items()},
-            "drift_removed": _detrended(self.record),
+            "drift_removed": [name for name in _detrended(self.record) if name in self.drifts],
         }
 
 
@@ -211,8 +215,12 @@ def request_treatment(
 ) -> list[TestRecord]:
     """Return the records with treatments in addition to those in their sidecars.
 
-    `detrend` is "force", "displacement", "both" or "", `ambient_uncertainty` a standard uncertainty
-    in K, 0 to 20.
+    Parameters
+    ----------
+    despike : remove spikes from all tests.
+    detrend : remove the drift of the zero from all tests: force, displacement or both.
+    ambient_uncertainty : standard uncertainty of the ambient temperature of every test [K], 0 to
+        20; 0.6 by default.
     """
     if detrend not in ("", *UNITS, "both"):
         raise InputError(f'detrend = "{detrend}"{nearest(detrend, [*UNITS, "both"])}')
@@ -243,6 +251,7 @@ def treat(record: TestRecord) -> Treatment:
         line = drifts[name].slope * (time - time[0])
         bare = replace(bare, **{name: getattr(bare, name) - line})
         cleaned = replace(cleaned, **{name: getattr(cleaned, name) - line})
+    # Rests are sought again: a drift of the displacement looks like motion.
     if drifting:
         rests = _find_rests(bare)
         steady = _hold_rests(bare, rests)
@@ -271,9 +280,9 @@ def _find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.b
     # The first sees noise that repeats itself, the second noise on what is sampled sparsely.
     noise = max(NORMAL * float(np.median(np.abs(values - level))), estimate_noise(values))
     high, low = maximum_filter1d(level, WINDOW), minimum_filter1d(level, WINDOW)
-    beyond = np.maximum(values - high, low - values)
-    least = np.maximum(SPIKE * noise, SMALL * float(np.abs(level).max()))
-    return np.asarray(beyond > np.maximum(least, OF_SPAN * (high - low)) + possible)
+    excess = np.maximum(values - high, low - values)
+    threshold = np.maximum(SPIKE * noise, SMALL * float(np.abs(level).max()))
+    return np.asarray(excess > np.maximum(threshold, OF_SPAN * (high - low)) + possible)
 
 
 def _bridge(time: Floats, values: Floats, bad: NDArray[np.bool_]) -> Floats:
@@ -314,51 +323,67 @@ def _possible_force(x: Floats, force: Floats) -> Floats:
 
 
 def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
-    """Return the drifts of signals, by lines through the middles of the loops.
+    """Return the drifts of signals, by lines through their zeros.
 
-    First cycles do not count: they are stronger to the side they move to first.
+    A signal whose drift is to be removed has its line in any case; others where it is certain and
+    matters.
     """
-    used = [cycle for cycle in cycles if cycle.number > 1 and not cycle.closing]
-    if len(used) < FEWEST_CYCLES:
-        return {}
-    found = {}
-    times = np.array([0.5 * (record.time[c.first] + record.time[c.last]) for c in used])
+    requested = _detrended(record)
+    drifts = {}
     for name in UNITS:
+        times, middles = measure_zeros(record, name, cycles)
+        if len(times) < FEWEST_ZEROS:
+            continue
         values = getattr(record, name)
-        middles = loop_middles(values, used)
         (slope, begin), error = np.polyfit(times - times[0], middles, 1, cov=True)
         total = float(slope * (record.time[-1] - record.time[0]))
-        if abs(slope) > SURE * np.sqrt(error[0, 0]) and abs(total) > DRIFT * np.abs(values).max():
-            found[name] = Drift(times, middles, float(slope), float(begin), total)
-    return found
+        # Both: a slope that is no chance, and a drift of a size that matters.
+        certain = abs(slope) > SURE * np.sqrt(error[0, 0])
+        if name in requested or (certain and abs(total) > DRIFT * np.abs(values).max()):
+            drifts[name] = Drift(times, middles, float(slope), float(begin), total)
+    return drifts
 
 
-def describe_treatment(found: Treatment) -> Iterator[Finding]:
+def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
     """Yield the findings; a warning where the user may remove something."""
-    record = found.record
-    if found.rests:
-        part = sum(last - first + 1 for first, last in found.rests) / len(record.time)
-        said = f"{counted(len(found.rests), 'rest')}, {part:.0%} of the samples: a calibration "
-        yield note("rests", said + "holds their displacement at its mean and ignores their force")
-    shown = [f"{v:.2g} {UNITS[name]} in the {name}" for name, v in found.noise.items() if v]
-    if shown:
-        yield note("noise", f"noise (standard deviation) of {' and '.join(shown)}")
-    for name, flags in found.spikes.items():
+    record = treatment.record
+    if treatment.rests:
+        part = sum(last - first + 1 for first, last in treatment.rests) / len(record.time)
+        are = "is" if len(treatment.rests) == 1 else "are"
+        message = (
+            f"{counted(len(treatment.rests), 'rest')} ({percent(part)} of the samples) {are} used "
+        )
+        yield note("rests", message + "for cooling only")
+    noise_texts = [
+        f"{v:.2g} {UNITS[name]} in the {name}" for name, v in treatment.noise.items() if v
+    ]
+    if noise_texts:
+        yield note("noise", f"standard deviation of the noise: {' and '.join(noise_texts)}")
+    for name, flags in treatment.spikes.items():
         if flags.any():
             values = getattr(record, name)
-            off = np.abs(values - _bridge(record.time, values, flags))
-            worst = place_of_largest(off)
-            said = f"{counted(len(split_runs(flags)), 'spike')} in the {name}, the largest "
-            said += f"{off[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
-            ask = "not removed; give despike = true in the sidecar, or --despike, to remove them"
-            level, end = (note, "removed (despike)") if record.despike else (warn, ask)
-            yield level("spikes", f"{said}: {end}")
-    for name, drift in found.drifts.items():
-        said = f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
-        if name in _detrended(record):
-            yield note("drift", f"{said}: removed as a straight line in time (detrend)")
-        else:
-            said += (
-                f': not removed; detrend = "{name}" in the sidecar, or --detrend {name}, removes '
+            jumps = np.abs(values - _bridge(record.time, values, flags))
+            worst = place_of_largest(jumps)
+            message = (
+                f"{counted(len(split_runs(flags)), 'spike')} in the {name}, the largest "
+                f"{jumps[worst]:.3g} {UNITS[name]} at {record.time[worst]:.6g} s"
             )
-            yield warn("drift", f"{said}a straight line in time")
+            advice = "despike = true in the sidecar, or --despike, removes them"
+            level, end = (note, "they were removed") if record.despike else (warn, advice)
+            yield level("spikes", f"{message}; {end}")
+    for name, drift in treatment.drifts.items():
+        message = (
+            f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
+        )
+        if name in _detrended(record):
+            yield note("drift", f"{message}; it was removed as a straight line in time")
+        else:
+            message += f'; detrend = "{name}" in the sidecar, or --detrend {name}, removes it'
+            yield warn("drift", message)
+    for name in _detrended(record):
+        if name not in treatment.drifts:
+            message = (
+                f"the drift of the {name} was not removed, as detrend asks: a line needs "
+                f"{FEWEST_ZEROS} half cycles besides the first three of each amplitude"
+            )
+            yield warn("drift", message)

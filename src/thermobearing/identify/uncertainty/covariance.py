@@ -6,149 +6,70 @@ another value than that in the file. The covariance by the tests is that of prob
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from pydantic import Field, model_validator
 
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
-from thermobearing.border.library import read_data
-from thermobearing.border.schema import Strict
-from thermobearing.border.units import is_number
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Linear, Problem, linearise
 from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.quantities.governing import largest_by, order_from_largest
+from thermobearing.identify.uncertainty.groups import (
+    AMBIENT,
+    CELLS,
+    CONDITIONING,
+    DELAY,
+    FORCE,
+    NORMAL_FREEDOM,
+    OF_EACH_TEST,
+    Group,
+    chosen_groups,
+    groups_of_tests,
+    half_interval,
+    moved_record,
+    shift,
+    widening,
+)
+from thermobearing.quantities.governing import (
+    largest_by,
+    order_from_largest,
+    place_of_largest,
+)
+from thermobearing.quantities.words import percent
 
 PART = 0.25  # of a standard uncertainty: the step of a derivative
-LARGEST_SPREAD = 2.0  # relative standard uncertainty
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
 CLEAR = 2.0  # standard errors between a determined number and its bounds
-NORMAL_FREEDOM = 10**6  # degrees of freedom with which Student's distribution is the normal one
-AMBIENT, TURNS, FORCE, CONDITIONING = "ambient", "turns", "force", "conditioning"
-OF_TESTS = (AMBIENT, TURNS, FORCE, CONDITIONING)  # keys of the tests, not of the bearing
 UNSEEN = 1e-3  # of the variance: numbers that move the residuals less are not seen by the tests
 WELL = 0.01  # relative standard error of a well determined parameter: three are within 3 %
 OPEN = 0.5  # of the range of the search: the interval of a parameter that the tests leave open
 NEAR_BOUND = 0.05  # of the range of the search: nearer to a bound no parameter is determined
 POOR = 0.1  # relative standard error of a poorly determined one
 LEAST = 0.1  # m_T, n_T, b and s may be zero: errors are relative to this at least
-LEVEL = 0.95
 CORRELATED = 0.95
 NEGLIGIBLE = 1e-3  # of the peak force: smaller residuals are no matter for a warning
 ALIKE = 0.2  # effective over actual samples, below which residuals are not noise
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
-MOST_CAUSES = 4  # that are named
+MOST_CAUSES = 3  # that are named
+CANNOT_TELL = "Possible causes, which these tests do not distinguish, the most plausible first: "
+MILLI = 1e3  # ms in a second
+MAIN = 0.2  # of the squared residuals: what a mistake of a usual size explains to be a suspect
+LAST = 1e6  # standard uncertainties: more than any that is wanted
 TENFOLD = 10.0
 AS_LIKELY = 0.7  # of what the likeliest cause explains
 MUCH = 0.1  # of the squared misfit, which one more free parameter would take away ...
 SURELY = 3.0  # ... and by so many standard errors
 ROUNDING = 1e-9  # a parameter nearer to zero is at it
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
-
-
-def _half_interval(freedom: float) -> float:
-    """Return half a 95 % interval over its standard error, by Student's distribution."""
-    from scipy.stats import t as student
-
-    return float(student.ppf(0.5 + 0.5 * LEVEL, max(freedom, 2)))
-
-
-def widening(freedom: float) -> float:
-    """Return the ratio of a 95 % interval with few degrees of freedom to that of a normal error.
-
-    Intervals and draws of the posterior contain this one factor, so that 95 % of the draws of a
-    parameter are its interval.
-    """
-    return _half_interval(freedom) / _half_interval(NORMAL_FREEDOM)
-
-
-class Group(Strict):
-    """Numbers of a bearing with a common error."""
-
-    name: str  # or the symbol of a parameter
-    keys: list[str]  # dotted keys of a bearing
-    relative: float | None = None  # standard uncertainty over the value, or
-    absolute: float | None = None  # in the unit of the key
-    source: str
-    note: str = ""
-    unit: str = ""  # of `absolute`; empty where the key says it
-    # Degrees of freedom (JCGM 100:2008, G.4.2): how well the uncertainty itself is known.
-    freedom: float = Field(default=NORMAL_FREEDOM, gt=0.0)
-    cause: str = ""  # another reason for which tests require another value
-    mistake: bool = False  # no uncertainty, but a suspect where residuals are not noise
-    at: float | None = None  # of the tests at this ambient temperature only [degC]
-
-    @model_validator(mode="after")
-    def _one_uncertainty(self) -> "Group":
-        if (self.relative is None) == (self.absolute is None):
-            raise ValueError("needs relative or absolute, one of them")
-        return self
-
-    def step(self, value: float) -> float:
-        """Return the standard uncertainty of a value, in its unit."""
-        return self.absolute if self.absolute is not None else (self.relative or 0.0) * abs(value)
-
-    def moved(self, key: str, value: float, sigmas: float) -> float:
-        """Return the value of a key, changed by `sigmas` standard uncertainties.
-
-        Relative uncertainties are those of the logarithm, so that a number keeps its sign; a
-        parameter stays within the bounds of its search, which no bearing may leave.
-        """
-        if self.absolute is None:
-            changed = value * float(np.exp(sigmas * (self.relative or 0.0)))
-        else:
-            changed = value + sigmas * self.absolute
-        kind = kinds.KINDS.get(key)
-        if kind is None or kind.relative:
-            return changed
-        return min(max(changed, min(kind.lower, value)), max(kind.upper, value))
-
-    @property
-    def of_tests(self) -> bool:
-        """Whether the numbers are of the tests, and none of the bearing."""
-        return self.keys[0] in OF_TESTS
-
-    @property
-    def widening(self) -> float:
-        """Factor on its uncertainty, by which 95 % of a normal distribution are a 95 % interval."""
-        return widening(self.freedom)
-
-
-class Groups(Strict):
-    """Content of data/identify/assumed.toml."""
-
-    groups: list[Group]
-
-
-def chosen_groups(given: Mapping[str, float] | None) -> tuple[Group, ...]:
-    """Return the default uncertainties, some of them replaced.
-
-    `given` holds relative standard uncertainties in [0, 2] by the name of a group or a key of one;
-    that of "ambient" is in K.
-    """
-    groups = list(read_data(Groups, "identify", "assumed.toml").groups)
-    for name, value in (given or {}).items():
-        places = [i for i, g in enumerate(groups) if name == g.name or name in g.keys]
-        if not places:
-            known = [word for group in groups for word in (group.name, *group.keys)]
-            raise InputError(f'assumed: there is no number "{name}"{nearest(name, known)}')
-        if not (is_number(value) and 0.0 <= value <= LARGEST_SPREAD):
-            said = "must be a relative standard uncertainty, 0 to"
-            raise InputError(f"assumed: {name} = {value!r} {said} {LARGEST_SPREAD:g}")
-        which = "absolute" if groups[places[0]].keys == [AMBIENT] else "relative"
-        change: dict[str, Any] = {"relative": None, "absolute": None, which: float(value)}
-        change |= {"source": "given", "note": ""}
-        groups[places[0]] = groups[places[0]].model_copy(update=change)
-    return tuple(groups)
+NOISY = 0.1  # of d_y: such noise changes the force after a reversal by a tenth of the strength
+RESOLVED = 0.5  # of d_y: the step between samples at a reversal that resolves the tip of a loop
 
 
 class Assumed(NamedTuple):
@@ -158,15 +79,6 @@ class Assumed(NamedTuple):
     columns: Floats  # [residual, group] change by one standard uncertainty
 
 
-def shift(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
-    """Return a bearing whose numbers of a group are changed by `sigmas` standard uncertainties."""
-    values = {key: kinds.dotted_value(bearing, key) for key in group.keys}
-    known = {key: value for key, value in values.items() if value is not None}
-    return kinds.with_values(
-        bearing, {key: round(group.moved(key, v, sigmas), 12) for key, v in known.items()}
-    )
-
-
 def _assumed_groups(
     bearing: Bearing, identified: Sequence[str], groups: Sequence[Group]
 ) -> list[Group]:
@@ -174,6 +86,8 @@ def _assumed_groups(
     linear = bearing.hysteresis.post_yield_ratio == 1.0
     assumed, without = [], {*identified, *kinds.replaced_by_laws(bearing)}
     for group in groups:
+        if group.mistake:
+            continue
         keys = [key for key in group.keys if key not in without]
         if linear:
             keys = [key for key in keys if key not in kinds.OF_YIELDING]
@@ -189,22 +103,28 @@ def linearise_assumed(
     """Return the assumed numbers of a fit and the derivatives of its residuals by them."""
     identified = [p.kind.key for p in problem.pset.parameters if p.free or p.tie is not None]
     bearing = problem.pset.bearing(cube)
-    here = np.concatenate(problem.parts(cube, fine=fine))
-    kept, columns = [], []
+    residuals = np.concatenate(problem.parts(cube, fine=fine))
+    # A derivative by finite differences: a part of a standard uncertainty for numbers of the
+    # bearing, in which the model is not linear; a complete one for those of the tests.
+    assumed, columns = [], []
 
     def _add(group: Group, part: float) -> None:
         moved = moved_parts(problem, bearing, [(group, part)], fine=fine)
-        column = np.zeros(len(here)) if moved is None else (np.concatenate(moved) - here) / part
-        kept.append(group)
+        column = (
+            np.zeros(len(residuals))
+            if moved is None
+            else (np.concatenate(moved) - residuals) / part
+        )
+        assumed.append(group)
         columns.append(column)
 
-    usual = [group for group in groups if not group.mistake]
-    for group in _assumed_groups(bearing, identified, usual):
+    for group in _assumed_groups(bearing, identified, groups):
         _add(group, PART)
-    for group in _groups_of_tests(problem.records, usual):
+    uncertain = [group for group in groups if not group.mistake]
+    for group in groups_of_tests(problem.records, uncertain):
         _add(group, 1.0)
-    shape = (len(here), len(kept))
-    return Assumed(tuple(kept), np.array(columns).T if columns else np.zeros(shape))
+    shape = (len(residuals), len(assumed))
+    return Assumed(tuple(assumed), np.array(columns).T if columns else np.zeros(shape))
 
 
 def moved_parts(
@@ -214,58 +134,15 @@ def moved_parts(
 
     None if the model ends early.
     """
-    records = problem.records
+    records, delay = problem.records, 0.0
     for group, sigmas in changes:
-        if group.of_tests:
-            records = [_moved_record(record, group, sigmas) for record in records]
+        if group.key == DELAY:
+            delay += sigmas * group.step(1.0) / MILLI
+        elif group.of_tests:
+            records = [moved_record(record, group, sigmas) for record in records]
         else:
             bearing = shift(bearing, group, sigmas)
-    return problem.split_parts(bearing, records, fine=fine)
-
-
-def _groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> list[Group]:
-    """Return the systematic errors of the tests.
-
-    Tests at the same temperature share its error: they had one chamber and thermometer.
-    """
-    errors = []
-    for group in groups:
-        if group.keys[0] not in (AMBIENT, CONDITIONING):
-            errors += [group] if group.of_tests else []
-            continue
-        for ambient in dict.fromkeys(record.ambient for record in records):
-            name = f"{group.name} of {ambient:.4g} degC"
-            update: dict[str, Any] = {"name": name, "at": ambient}
-            if group.keys[0] == AMBIENT:
-                steps = [_kelvin(r, group) for r in records if r.ambient == ambient]
-                update["absolute"] = max(steps)
-            errors.append(group.model_copy(update=update))
-    return errors
-
-
-def _kelvin(record: TestRecord, group: Group) -> float:
-    """Return the standard uncertainty of the ambient temperature of a test [K]."""
-    stated = record.ambient_uncertainty
-    return group.step(0.0) if stated is None else stated
-
-
-def _moved_record(record: TestRecord, group: Group, sigmas: float) -> TestRecord:
-    """Return a test, changed by some standard uncertainties of a systematic error."""
-    key = group.keys[0]
-    if key == AMBIENT:
-        if record.ambient != group.at:
-            return record
-        return replace(record, ambient=record.ambient + sigmas * _kelvin(record, group))
-    if key == CONDITIONING:
-        if record.ambient != group.at:
-            return record
-        return replace(record, start_offset=record.start_offset + sigmas * group.step(0.0))
-    if key == TURNS:  # less far out, by the uncertainty from the noise
-        x, less = record.displacement, record.displacement.copy()
-        at = turning_points(x, dead_band(x))[1:-1]
-        less[at] -= sigmas * group.step(estimate_noise(x)) * np.sign(x[at] - x[at - 1])
-        return replace(record, displacement=less)
-    return replace(record, force=(1.0 + sigmas * group.step(1.0)) * record.force)
+    return problem.split_parts(bearing, records, fine=fine, delay=delay)
 
 
 @dataclass(frozen=True)
@@ -280,12 +157,22 @@ class Evidence:
     @property
     def contradicted(self) -> bool:
         """Whether the tests show that the values of the file are outside their uncertainty."""
-        off = abs(self.sigmas)
-        return off > SURE * self.stderr and off > BEYOND * float(np.hypot(1.0, self.stderr))
+        change = abs(self.sigmas)
+        return change > SURE * self.stderr and change > BEYOND * float(np.hypot(1.0, self.stderr))
+
+    @property
+    def is_main_mistake(self) -> bool:
+        """Whether it is no assumed value, and would remove much of the squared residuals."""
+        return self.group.mistake and self.explained > MAIN
 
     @property
     def conceivable(self) -> bool:
-        """Whether the tests require less than a tenfold value, which no mistake explains."""
+        """Whether the tests require less than a tenfold value, which no mistake explains.
+
+        Another number of heat cells is in one direction: to the other side there is none.
+        """
+        if self.group.key == CELLS:
+            return self.sigmas > 0.0
         return abs(self.sigmas) * (self.group.relative or 0.0) < math.log(TENFOLD)
 
     @property
@@ -357,33 +244,44 @@ def _propagate(linear: Linear, assumed: Assumed) -> Propagated:
     """
     columns = linear.weights[:, None] * assumed.columns
     shifts = -linear.solved(columns)
-    apart = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
-    evidence = [_weigh(linear, group, apart[:, i]) for i, group in enumerate(assumed.groups)]
-    inner = apart.T @ apart
-    wanted = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (apart.T @ linear.residuals)
-    left_over = linear.residuals + apart @ wanted
-    meat = linear.meat(apart, left_over) + np.diag(np.diag(inner)) * np.mean(left_over**2)
-    against = np.linalg.pinv(meat, rcond=1e-10, hermitian=True)
+    unexplained = columns + linear.jacobian @ shifts  # what no change of the parameters can imitate
+    evidence = [
+        _weigh(linear, group, unexplained[:, [i]]) for i, group in enumerate(assumed.groups)
+    ]
+    inner = unexplained.T @ unexplained
+    required = -np.linalg.pinv(inner, rcond=1e-10, hermitian=True) @ (
+        unexplained.T @ linear.residuals
+    )
+    left_over = linear.residuals + unexplained @ required
+    meat = linear.meat(unexplained, left_over) + np.diag(np.diag(inner)) * np.mean(left_over**2)
+    inverse_meat = np.linalg.pinv(meat, rcond=1e-10, hermitian=True)
     # By eigenvalues: exact tests know nearly everything, and an inverse would not stay positive.
-    known, axes = np.linalg.eigh(inner @ against @ inner)
-    known = np.maximum(known, 0.0)
-    posterior = (axes / (1.0 + known)) @ axes.T
-    mean = axes @ (known / (1.0 + known) * (axes.T @ wanted))
+    information, axes = np.linalg.eigh(inner @ inverse_meat @ inner)
+    information = np.maximum(information, 0.0)
+    posterior = (axes / (1.0 + information)) @ axes.T
+    mean = axes @ (information / (1.0 + information) * (axes.T @ required))
     return Propagated(tuple(evidence), shifts, posterior + np.outer(mean, mean))
 
 
-def _weigh(linear: Linear, group: Group, column: Floats) -> Evidence:
-    """Return the evidence on a group from the part of its column that no parameter can imitate."""
+def _weigh(linear: Linear, group: Group, columns: Floats) -> Evidence:
+    """Return the evidence on a group from the part of its columns that no parameter can imitate.
+
+    `columns` has one column, or one for each test; then the largest change is that of the group.
+    """
     residuals = linear.residuals
-    norm = float(column @ column)
-    if norm <= UNSEEN * max(linear.variance, 1e-300):
+    inner = columns.T @ columns
+    if float(np.trace(inner)) <= UNSEEN * max(linear.variance, 1e-300):
         return Evidence(group, 0.0, float("inf"), 0.0)
-    sigmas = -float(column @ residuals) / norm
-    left_over = residuals + sigmas * column  # or the error of the file would be taken for noise
-    meat = float(linear.meat(column[:, None], left_over)[0, 0])
-    least = norm * float(left_over @ left_over) / len(left_over)
-    explained = sigmas**2 * norm / max(float(residuals @ residuals), 1e-300)
-    return Evidence(group, sigmas, float(np.sqrt(max(meat, least))) / norm, explained)
+    bread = np.linalg.pinv(inner, rcond=1e-10, hermitian=True)
+    sigmas = -bread @ (columns.T @ residuals)
+    left_over = residuals + columns @ sigmas  # or the error of the file would be taken for noise
+    variance = bread @ linear.meat(columns, left_over) @ bread
+    smallest = bread * float(left_over @ left_over) / len(left_over)
+    removed = float(sigmas @ inner @ sigmas)
+    explained = removed / max(float(residuals @ residuals), 1e-300)
+    k = place_of_largest(np.abs(sigmas))
+    stderr = float(np.sqrt(max(variance[k, k], smallest[k, k])))
+    return Evidence(group, float(sigmas[k]), stderr, explained)
 
 
 def _weigh_mistakes(
@@ -391,14 +289,36 @@ def _weigh_mistakes(
 ) -> tuple[Evidence, ...]:
     """Return the evidence of the tests on mistakes that a calibration does not assume."""
     bearing, residuals = problem.pset.bearing(cube), np.concatenate(problem.parts(cube, fine=True))
+    mistakes = [item for item in groups if item.mistake]
     evidence = []
-    for group in _groups_of_tests(problem.records, [item for item in groups if item.mistake]):
-        moved = moved_parts(problem, bearing, [(group, PART)])
-        if moved is not None:
-            column = linear.weights * (np.concatenate(moved) - residuals) / PART
-            apart = column - linear.jacobian @ linear.solved(column)
-            evidence.append(_weigh(linear, group, apart))
+    for group in [*groups_of_tests(problem.records, mistakes), *_of_bearing(mistakes)]:
+        # Cells are whole numbers; other changes are small, since the model is not linear.
+        part = 1.0 if group.key == CELLS else PART
+        tests = range(len(problem.records)) if group.key in OF_EACH_TEST else [None]
+        moved = [_moved_test(problem, bearing, group, part, test) for test in tests]
+        columns = [(item - residuals) / part for item in moved if item is not None]
+        if len(columns) == len(moved):
+            matrix = linear.weights[:, None] * np.column_stack(columns)
+            unexplained = matrix - linear.jacobian @ linear.solved(matrix)
+            evidence.append(_weigh(linear, group, unexplained))
     return tuple(evidence)
+
+
+def _of_bearing(groups: Sequence[Group]) -> list[Group]:
+    return [group for group in groups if not group.of_tests]
+
+
+def _moved_test(
+    problem: Problem, bearing: Bearing, group: Group, part: float, test: int | None
+) -> Floats | None:
+    """Return the residuals of all tests with one of them changed by a group, or with all."""
+    if test is None:
+        moved = moved_parts(problem, bearing, [(group, part)])
+    else:
+        records = list(problem.records)
+        records[test] = moved_record(records[test], group, part)
+        moved = problem.split_parts(bearing, records)
+    return None if moved is None else np.concatenate(moved)
 
 
 @dataclass(frozen=True)
@@ -416,7 +336,7 @@ class Estimate:
     determined: bool  # by the tests, and not by a bound of the search
     well_determined: bool  # three standard errors are within 3 % of the value
     relative_error: float  # standard error over the value; infinite if not determined
-    where: str  # how near to a bound it ended, or how far open it is, in words
+    where: str  # how near to a bound it ended, or how uncertain it is, in words
 
 
 @dataclass(frozen=True)
@@ -434,26 +354,32 @@ class Uncertainty:
     effective_samples: float  # independent samples that they are worth
     rms: float  # of the residuals, relative to the peak force
     warnings: list[str] = field(default_factory=list)
-    misfit: list[str] = field(default_factory=list)  # likely causes of residuals that are not noise
+    misfit: list[str] = field(default_factory=list)  # causes of residuals that are not noise
 
     @property
     def suspects(self) -> list[Evidence]:
-        """Likely causes of residuals that are not noise, the least surprising first.
+        """Possible causes of residuals that are not noise, the least surprising first.
 
         These remove the residuals about as well as the best of all does. Which of them is the
         cause is not known by the residuals, so that the one is first that is off by the least
         part of its usual error. None where no value is contradicted by the tests.
         """
-        every = [item for item in (*self.assumed.evidence, *self.mistakes) if item.conceivable]
-        clear = [item for item in every if abs(item.sigmas) > SURE * item.stderr]
+        evidence = [item for item in (*self.assumed.evidence, *self.mistakes) if item.conceivable]
+        clear = [item for item in evidence if abs(item.sigmas) > SURE * item.stderr]
         if self.rms <= NEGLIGIBLE or not clear:
             return []
         best = max(item.explained for item in clear)
-        alike = [item for item in clear if item.explained > AS_LIKELY * best]
-        if not any(item.contradicted for item in alike):
+        similar = [item for item in clear if item.explained > AS_LIKELY * best]
+        if not any(item.contradicted or item.is_main_mistake for item in similar):
             return []
-        order = order_from_largest([-abs(item.sigmas) for item in alike])
-        return [alike[k] for k in order]
+        # No bearing has heat cells: they come first only where nothing else explains more.
+        last = [item.group.key == CELLS and item.explained < best for item in similar]
+        surprises = [
+            abs(item.sigmas) + (LAST if is_last else 0.0)
+            for item, is_last in zip(similar, last, strict=True)
+        ]
+        order = order_from_largest([-surprise for surprise in surprises])
+        return [similar[k] for k in order]
 
 
 def _effective_samples(residuals: Floats) -> float:
@@ -478,45 +404,51 @@ def estimate(
     groups = chosen_groups(None) if groups is None else groups
     assumed = _propagate(linear, linearise_assumed(problem, cube, groups, fine=fine))
     of_tests = linear.covariance()
-    wide = widening(int(linear.blocks.max()) + 1 - len(cube))
+    factor = widening(int(linear.blocks.max()) + 1 - len(cube))
     # Of the intervals: each part with its own degrees of freedom.
-    square = np.diag(assumed._covariance(assumed.widening)) + wide**2 * np.diag(of_tests)
-    reach = _half_interval(NORMAL_FREEDOM) * np.sqrt(square)
+    square = np.diag(assumed._covariance(assumed.widening)) + factor**2 * np.diag(of_tests)
+    reach = half_interval(NORMAL_FREEDOM) * np.sqrt(square)
     covariance, spread = of_tests + assumed._covariance(), np.sqrt(np.diag(of_tests))
+    # A parameter without error, of exact tests, would divide the correlation by zero.
     safe = np.where(spread > 0.0, spread, 1.0)
     estimates = {
         p.kind.key: _estimate(p, *map(float, row))
         for p, *row in zip(problem.pset.free, cube, np.diag(covariance), spread, reach, strict=True)
     }
-    found = Uncertainty(
+    uncertainty = Uncertainty(
         estimates=estimates,
         covariance=covariance,
         of_tests=of_tests,
-        widening=wide,
+        widening=factor,
         correlation=np.asarray(of_tests / np.outer(safe, safe)),
         assumed=assumed,
         mistakes=_weigh_mistakes(problem, cube, groups, linear),
         samples=len(linear.weights),
         effective_samples=sum(_effective_samples(part) for part in linear.parts),
+        # Of the residuals under the loss, which the warnings of a misfit are about.
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
     )
-    warnings, misfit = _warnings(problem, found), _misfit(problem, found)
-    return replace(found, warnings=warnings, misfit=misfit)
+    warnings = _signal_warnings(problem.records, problem.pset.bearing(cube))
+    warnings += _warnings(problem, uncertainty)
+    misfit = _misfit(problem, uncertainty)
+    return replace(uncertainty, warnings=warnings, misfit=misfit)
 
 
 def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: float) -> Estimate:
     """Return a parameter with its errors; `reach` is half the 95 % interval in the unit cube."""
+    # A place outside the open interval is at a bound; an end of the law itself, as b = 0, is a
+    # valid value and not a failed search.
     bound, value, slope = not AT_BOUND < u < 1.0 - AT_BOUND, p.at(u), p.slope(u)
     place, end = p.place(value), p.lower if p.place(value) < 0.5 else p.upper
-    lost = min(place, 1.0 - place) < NEAR_BOUND and end != p.kind.end
-    wide = 2.0 * reach > OPEN
-    stderr, determined = float(np.sqrt(variance)) * slope, not (bound or lost or wide)
-    least = 0.0 if p.kind.scale == "log" else LEAST
-    where = "at its bound" if bound else f"within {NEAR_BOUND:.0%} of its bound"
-    if wide and not (bound or lost):
-        where = "with an interval of half its range or more"
-    known = determined and np.isfinite(stderr)
-    relative = stderr / max(abs(value), least) if known else float("inf")
+    near_bound = min(place, 1.0 - place) < NEAR_BOUND and end != p.kind.end
+    undetermined = 2.0 * reach > OPEN
+    stderr, determined = float(np.sqrt(variance)) * slope, not (bound or near_bound or undetermined)
+    smallest = 0.0 if p.kind.scale == "log" else LEAST
+    position = "at its bound" if bound else f"within {NEAR_BOUND:.0%} of its bound"
+    if undetermined and not (bound or near_bound):
+        position = "uncertain by half of its range or more"
+    bounded = determined and np.isfinite(stderr)
+    relative = stderr / max(abs(value), smallest) if bounded else float("inf")
     return Estimate(
         parameter=p,
         value=value,
@@ -525,84 +457,97 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
         lower=p.at(max(u - reach, 0.0)),
         upper=p.at(min(u + reach, 1.0)),
         at_bound=bound,
-        lost=lost,
+        lost=near_bound,
         determined=determined,
         well_determined=relative <= WELL,
         relative_error=relative,
-        where=where,
+        where=position,
     )
 
 
-def _warnings(problem: Problem, found: Uncertainty) -> list[str]:
+def _warnings(problem: Problem, uncertainty: Uncertainty) -> list[str]:
     """Return warnings of bounds, weak and correlated parameters, and tests that are too similar."""
-    said, estimates = _test_warnings(problem), found.estimates
-    warm = [estimates[key] for key in (kinds.M_T, kinds.N_T) if key in estimates]
-    if warm and all(item.lower > ENTROPIC for item in warm):  # of no rubber
-        shown = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in warm)
-        said.append(
-            f"{shown} describes a rubber that stiffens as it warms: are the ambient temperatures "
+    warnings, estimates = _test_warnings(problem), uncertainty.estimates
+    coefficients = [estimates[key] for key in (kinds.M_T, kinds.N_T) if key in estimates]
+    # Rubber softens as it warms, but for entropic elasticity: a larger coefficient is a mistake.
+    if coefficients and all(item.lower > ENTROPIC for item in coefficients):  # of no rubber
+        values = " and ".join(f"{e.parameter.kind.symbol} = {e.value:.2f}" for e in coefficients)
+        warnings.append(
+            f"{values} describes a rubber that stiffens as it warms: are the ambient temperatures "
             "of the tests swapped?"
         )
     for item in estimates.values():
         kind = item.parameter.kind
         value = 0.0 if abs(item.value) < ROUNDING else item.value
-        shown = f"{kind.symbol} = {value:.4g} {kind.unit}".strip()
+        values = f"{kind.symbol} = {value:.3g} {kind.unit}".strip()
         if not item.determined:
-            ends = f"95 % interval {item.lower:.3g} to {item.upper:.3g}"
-            said.append(
-                f"{shown} is not determined (it ended {item.where}; {ends}): {kinds.remedy(kind)}"
+            warnings.append(
+                f"{kind.symbol} cannot be determined from these tests: its value, "
+                f"{f'{value:.3g} {kind.unit}'.strip()}, is {item.where}. {kinds.remedy(kind)}"
             )
         elif item.relative_error > POOR:
-            error = f"standard error {item.stderr:.2g}"
-            said.append(f"{shown} is poorly determined ({error}): {kinds.remedy(kind)}")
+            error = f"its standard error is {item.relative_error:.0%}"
+            warnings.append(f"{values} is poorly determined, {error}. {kinds.remedy(kind)}")
     for i, j in zip(*np.triu_indices(len(estimates), 1), strict=True):
-        rho, pair = float(found.correlation[i, j]), [list(estimates.values())[k] for k in (i, j)]
-        if abs(rho) > CORRELATED and any(item.relative_error > WELL for item in pair):
-            names = " and ".join(item.parameter.kind.symbol for item in pair)
-            said.append(
-                f"{names} are strongly correlated ({rho:.2f}): only a combination of them is "
-                f"determined; {kinds.remedy(*(item.parameter.kind for item in pair))}"
-            )
-    return said
-
-
-def _misfit(problem: Problem, found: Uncertainty) -> list[str]:
-    """Return likely causes of residuals that are not noise; contradicted assumptions first."""
-    if found.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
-        return []
-    said = []
-    named = {item.group.keys[0]: item for item in reversed(found.suspects)}  # first of each key
-    if suspects := [item for item in found.suspects if named[item.group.keys[0]] is item]:
-        peak = max(record.peak_force for record in problem.records)
-        some = suspects[:MOST_CAUSES]
-        causes = "; ".join(_suspicion(item, problem.pset.base, peak) for item in some)
-        said.append(
-            f"the residuals are not noise; likely causes, the least surprising first: {causes}"
+        rho, pair = (
+            float(uncertainty.correlation[i, j]),
+            [list(estimates.values())[k] for k in (i, j)],
         )
-    evidence = list(found.assumed.evidence)
+        # Of determined parameters a correlation is no decision of the reader: a note lists it.
+        vague = any(not item.determined or item.relative_error > POOR for item in pair)
+        if abs(rho) > CORRELATED and vague:
+            names = " and ".join(item.parameter.kind.symbol for item in pair)
+            warnings.append(
+                f"the tests determine {names} only in combination (correlation {rho:.2f}). "
+                f"{kinds.remedy(*(item.parameter.kind for item in pair))}"
+            )
+    return warnings
+
+
+def _misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
+    """Return possible causes of residuals that are not noise; contradicted assumptions first."""
+    if uncertainty.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
+        return []
+    sentences = []
+    # Reversed, so that the most plausible suspect of each cause is the one that stays.
+    by_cause = {_common_cause(item): item for item in reversed(uncertainty.suspects)}
+    suspects = [item for item in uncertainty.suspects if by_cause[_common_cause(item)] is item]
+    if suspects:
+        peak = max(record.peak_force for record in problem.records)
+        listed = suspects[:MOST_CAUSES]
+        causes = "; ".join(_suspicion(item, problem.pset.base, peak) for item in listed)
+        words = "The likely cause: " if len(suspects) == 1 else CANNOT_TELL
+        sentences.append(f"model and test differ by more than noise. {words}{causes}")
+    evidence = list(uncertainty.assumed.evidence)
     if at_one_temperature(record.ambient for record in problem.records):  # freeing needs more
         evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
-    held = [
+    candidates = [
         item
         for item in evidence
         if (key := item.group.keys[0]) in kinds.KINDS or key.startswith(kinds.LAWS)
         if item.explained > MUCH and abs(item.sigmas) > SURELY * item.stderr
     ]
-    if held:  # parameters whose freedom would remove much of the misfit
-        worst = largest_by(held, lambda item: item.explained)
+    if candidates:  # parameters whose freedom would remove much of the misfit
+        worst = largest_by(candidates, lambda item: item.explained)
         name = worst.group.name
-        free = [*(item.parameter.kind.symbol for item in found.estimates.values()), name]
-        said.append(
-            f"another {name} than that of the file would reduce the squared residuals by "
-            f"{worst.explained:.0%}: free it (--free {','.join(free)})"
+        free = [*(item.parameter.kind.symbol for item in uncertainty.estimates.values()), name]
+        sentences.append(
+            f"another {name} than that of the file would reduce the squared error of the force by "
+            f"{worst.explained:.0%}: calibrate it too (--free {','.join(free)})"
         )
-    if not said and found.effective_samples < ALIKE * found.samples:
-        said.append(
-            f"the residuals are not noise ({found.samples} samples are worth "
-            f"{found.effective_samples:.0f} independent ones): the model lacks an effect, or the "
-            "force was filtered; the standard errors hold for the parameters of this model"
+    if not sentences and uncertainty.effective_samples < ALIKE * uncertainty.samples:
+        sentences.append(
+            "model and test differ by more than noise, and none of the causes that were examined "
+            "(assumed values, zeros, drift, delay, ambient temperatures) explains it alone. The "
+            "model may lack an effect. The standard errors hold for this model only"
         )
-    return said
+    return sentences
+
+
+def _common_cause(item: Evidence) -> str:
+    """Return what stands for the same cause: a cold specimen and a warm chamber are one."""
+    key = item.group.keys[0]
+    return AMBIENT if key == CONDITIONING else key
 
 
 def _suspicion(item: Evidence, bearing: Bearing, peak: float) -> str:
@@ -613,34 +558,85 @@ def _suspicion(item: Evidence, bearing: Bearing, peak: float) -> str:
         value = kinds.dotted_value(bearing, key) or 0.0
         moved = item.group.moved(key, value, item.sigmas)
         words = f"{item.group.name} = {moved:.3g} instead of {value:.3g}"
+    if key == CELLS:
+        words = item.group.name
+    elif key in OF_EACH_TEST:
+        words = f"{item.group.name} of {size:+.2g} {unit}"
     if key == FORCE:
         words += f" ({0.01 * size * peak:+.2g} kN at the peak)"
     return f"{words} ({item.group.cause})" if item.group.cause else words
 
 
+def _signal_warnings(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
+    """Return warnings of displacements that are too noisy, or sampled too rarely, for intervals.
+
+    Each kind is about its worst test. The scale is the displacement d_y, within which the force
+    changes after a reversal.
+    """
+    d_y, warnings = float(bearing.hysteresis.yield_displacement), []
+    too_narrow = "The 95 % intervals of G_e, h_eq and K_d are too narrow"
+    noises = [estimate_noise(record.displacement) for record in records]
+    worst = place_of_largest(noises)
+    if noises[worst] > NOISY * d_y:
+        warnings.append(
+            f"{records[worst].name}: the noise of the displacement, {noises[worst]:.2g} mm, is "
+            f"{percent(noises[worst] / d_y)} of d_y = {d_y:.3g} mm. {too_narrow}, because they "
+            "contain no error of the displacement. Filter the displacement before it is sampled, "
+            f"or measure it with a noise below {NOISY * d_y:.2g} mm"
+        )
+    steps = [_step_at_reversals(record) for record in records]
+    worst = place_of_largest(steps)
+    if steps[worst] > d_y:
+        rate = 1.0 / float(np.median(np.diff(records[worst].time)))
+        needed = rate * steps[worst] / (RESOLVED * d_y)
+        warnings.append(
+            f"{records[worst].name}: the displacement changes by {steps[worst]:.2g} mm from one "
+            f"sample to the next at the reversals, more than d_y = {d_y:.3g} mm. {too_narrow}, "
+            f"because {rate:.3g} Hz do not resolve the tips of the loops. Record the test at "
+            f"{needed:.2g} Hz or more"
+        )
+    return warnings
+
+
+def _step_at_reversals(record: TestRecord) -> float:
+    """Return the median, over the reversals, of the larger step to a neighbouring sample [mm].
+
+    It is the speed over the sampling rate in triangular cycles, and far less in sines. 0 without
+    a reversal.
+    """
+    x = record.displacement
+    turns = turning_points(x, max(dead_band(x), BLOCK_TURN * record.peak_displacement))[1:-1]
+    if len(turns) == 0:
+        return 0.0
+    before, after = np.abs(x[turns] - x[turns - 1]), np.abs(x[turns + 1] - x[turns])
+    return float(np.median(np.maximum(before, after)))
+
+
 def _test_warnings(problem: Problem) -> list[str]:
     """Return warnings of tests at too similar temperatures or speeds."""
-    said = []
+    warnings = []
     free = {p.kind.key for p in problem.pset.free}
     ambients = [record.ambient for record in problem.records]
     low, high = min(ambients), max(ambients)
     if free & {kinds.M_T, kinds.N_T} and high - low < TEMPERATURE_SPAN:
-        span = f"{low:g} to {high:g}" if high > low else f"{low:g}"
-        said.append(
-            f"m_T and n_T were calibrated to tests at {span} degC only, mostly by self-heating: "
+        span = f"{low:.4g} to {high:.4g}" if high > low else f"{low:.4g}"
+        warnings.append(
+            f"m_T and n_T rest on tests at {span} degC only, mostly on self-heating. "
             f"{kinds.remedy(kinds.KINDS[kinds.M_T])}"
         )
     if free & {kinds.C_V, kinds.K_V}:
         speeds = np.empty(0)  # mean ones of large half cycles [mm/s]
         for record in problem.records:
             turns = turning_points(record.displacement, BLOCK_TURN * record.peak_displacement)
-            way, time = np.abs(np.diff(record.displacement[turns])), np.diff(record.time[turns])
-            large = way > 0.5 * way.max()
-            speeds = np.append(speeds, way[large] / time[large])
+            travel, time = np.abs(np.diff(record.displacement[turns])), np.diff(record.time[turns])
+            # Small half cycles at the end of a block have other speeds and little force of their
+            # own.
+            large = travel > 0.5 * travel.max()
+            speeds = np.append(speeds, travel[large] / time[large])
         if speeds.max() < SPEED_SPAN * speeds.min():
             span = f"{speeds.min():.3g} to {speeds.max():.3g} mm/s"
-            said.append(
-                f"c_v and K_v were calibrated to mean speeds of {span} only: "
+            warnings.append(
+                f"c_v and K_v rest on mean speeds of {span} only. "
                 f"{kinds.remedy(kinds.KINDS[kinds.C_V])}"
             )
-    return said
+    return warnings

@@ -21,7 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from thermobearing.bearing.model import Bearing
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
+from thermobearing.border.schema import check_seed
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
@@ -30,13 +32,10 @@ from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.records.cycles import largest_measures
 from thermobearing.identify.records.record import reached_values
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.covariance import (
-    AMBIENT,
-    chosen_groups,
-    estimate,
-    shift,
-)
+from thermobearing.identify.uncertainty.covariance import estimate
+from thermobearing.identify.uncertainty.groups import AMBIENT, chosen_groups, shift
 from thermobearing.quantities.governing import order_from_largest, place_of_least
+from thermobearing.quantities.words import percent
 from thermobearing.results.ranges import (
     compare_with_tests,
     extrapolation,
@@ -191,9 +190,10 @@ class Forecast:
         }
 
 
+@checked
 def forecast(
-    found: Identification,
-    ambients: Sequence[float] = (),
+    identification: Identification,
+    predict: Sequence[float] = (),
     *,
     posterior: bool = False,
     seed: int = 0,
@@ -203,8 +203,8 @@ def forecast(
 
     Parameters
     ----------
-    found : from `identify_bearing`.
-    ambients : temperatures [degC], each in [-100, 100]; that of the first test by default.
+    identification : from `identify_bearing`.
+    predict : ambient temperatures [degC], each in [-100, 100]; that of the first test by default.
     posterior : sample the posterior with emcee; otherwise the normal distribution of the estimates.
     seed : of the draws, >= 0.
     narrow : compute what would narrow the coldest band.
@@ -216,32 +216,32 @@ def forecast(
     Examples
     --------
     >>> import thermobearing as tb
-    >>> test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None)
+    >>> test = tb.cyclic_test(strain=[1.0], cycles=1, rest=None, dt=0.02)
     >>> record = tb.synthetic_record(tb.load_bearing("shen-hdr-specimen"), 23.0, test)
     >>> found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
-    >>> colder, warmer = forecast(found, [-20.0, 23.0]).bands
+    >>> colder, warmer = forecast(found, [-20.0, 23.0], narrow=False).bands
     >>> colder.peak > warmer.peak
     True
     """
     draws = _posterior_samples if posterior else _laplace_samples
-    samples = draws(found, seed=seed)
-    at = list(ambients) or [found.records[0].ambient]
-    assert found.bearing.tested_range is not None  # the range of the tests
-    tested = found.bearing.tested_range.ranges()
-    bands, rows, beyond = [], [], []
-    for ambient in at:
-        band = _predictive_band(found, samples, ambient, seed=seed)
-        name = f"predicted at {ambient:g} degC"
-        thickness = found.bearing.total_rubber_thickness
-        reached = reached_values(found.records[0], thickness, ambient, band.lead)
+    samples = draws(identification, seed=seed)
+    temperatures = list(predict) or [identification.records[0].ambient]
+    assert identification.bearing.tested_range is not None  # the range of the tests
+    tested = identification.bearing.tested_range.ranges()
+    bands, rows, extrapolations = [], [], []
+    for ambient in temperatures:
+        band = _predictive_band(identification, samples, ambient, seed=seed)
+        name = f"the prediction at {ambient:.4g} degC"
+        thickness = identification.bearing.total_rubber_thickness
+        reached = reached_values(identification.records[0], thickness, ambient, band.lead)
         compared = list(compare_with_tests(name, reached, tested))
-        beyond.append(extrapolation(compared))
-        bands.append(_outside(band, limits_passed(compared, [name])[0], beyond[-1]))
+        extrapolations.append(extrapolation(compared))
+        bands.append(_outside(band, limits_passed(compared, [name])[0], extrapolations[-1]))
         rows += compared
-    warnings = outside_tests(found.bearing.name, rows, tested)
-    columns, notes = _sample_columns(found, samples), [_share_note(band) for band in bands]
-    coldest = place_of_least(at)
-    narrowing = _narrower(found, bands[coldest], beyond[coldest]) if narrow else []
+    warnings = outside_tests(identification.bearing.name, rows, tested)
+    columns, notes = _sample_columns(identification, samples), [_share_note(band) for band in bands]
+    coldest = place_of_least(temperatures)
+    narrowing = _narrower(identification, bands[coldest], extrapolations[coldest]) if narrow else []
     if narrowing:
         notes.append(_narrowing_note(bands[coldest], narrowing))
     return Forecast(samples, tuple(bands), tuple(warnings), tuple(notes), columns, tuple(narrowing))
@@ -250,32 +250,33 @@ def forecast(
 def _narrowing_note(band: Band, narrowing: Sequence[Narrowing]) -> str:
     """Return a sentence on what would narrow a band."""
     sign = "\N{PLUS-MINUS SIGN}"
-    options = "; ".join(f"{item.what}: {sign}{item.half_width:.1%}" for item in narrowing)
+    options = "; ".join(f"{item.what} ({sign}{percent(item.half_width, 1)})" for item in narrowing)
     item = band.main
     return (
-        f"What would narrow {item.quantity} at {band.ambient:g} degC from {sign}"
-        f"{item.half_width:.1%}: {options}"
+        f"{item.quantity} at {band.ambient:.4g} degC is known to {sign}"
+        f"{percent(item.half_width, 1)}. It would be known better with one of these: {options}"
     )
 
 
-def _outside(band: Band, beyond: str, more: float) -> Band:
+def _outside(band: Band, beyond: str, uncertainty: float) -> Band:
     """Return a band with the quantities outside the tests, and as wide as that makes it.
 
     `more` is the relative standard uncertainty of forces there.
     """
-    if not more:
+    # Within the range of the tests the band stays as it is.
+    if not uncertainty:
         return replace(band, beyond_tested=beyond)
-    lower, upper = widened(band.lower, band.upper, band.best, more, HIGH)
+    lower, upper = widened(band.lower, band.upper, band.best, uncertainty, HIGH)
     predicted = []
     for item in band.predicted:
-        low, high = map(float, widened(item.lower, item.upper, item.best, more, HIGH))
+        low, high = map(float, widened(item.lower, item.upper, item.best, uncertainty, HIGH))
         grown = ((high - low) / max(item.upper - item.lower, 1e-300)) ** 2  # of the variance
         shares = {name: share / grown for name, share in item.shares.items()}
         shares[OUTSIDE] = 1.0 - 1.0 / grown
         held_share = item.held_share / grown + shares[OUTSIDE]
         predicted.append(replace(item, lower=low, upper=high, shares=shares, held_share=held_share))
-    wide = replace(band, lower=lower, upper=upper, predicted=tuple(predicted))
-    return replace(wide, beyond_tested=beyond)
+    wider_band = replace(band, lower=lower, upper=upper, predicted=tuple(predicted))
+    return replace(wider_band, beyond_tested=beyond)
 
 
 def _share_note(band: Band) -> str:
@@ -284,11 +285,11 @@ def _share_note(band: Band) -> str:
     half = item.half_width
     shares = {name: share for name, share in item.shares.items() if share >= LEAST_SHARE}
     names = [list(shares)[k] for k in order_from_largest(list(shares.values()))]
-    causes = ", ".join(f"{name} {shares[name]:.0%}" for name in names)
+    causes = ", ".join(f"{name} {percent(shares[name])}" for name in names)
     return (
-        f"{item.quantity} at {band.ambient:g} degC is known to \N{PLUS-MINUS SIGN}{half:.1%}; "
-        f"{item.held_share:.0%} of its variance comes from what the tests did not determine "
-        f"({causes})"
+        f"{item.quantity} at {band.ambient:.4g} degC is known to \N{PLUS-MINUS SIGN}"
+        f"{percent(half, 1)}. {percent(item.held_share)} of its variance come from what these "
+        f"tests do not determine ({causes})"
     )
 
 
@@ -306,12 +307,13 @@ def _draw(identification: Identification, count: int, seed: int) -> tuple[Floats
     Draws beyond a bound are drawn again: a parameter at its bound has draws on one side only, and
     the parameters that are correlated with it follow.
     """
-    about, rng = identification.uncertainty, np.random.default_rng(seed)
+    check_seed(seed)
+    uncertainty, rng = identification.uncertainty, np.random.default_rng(seed)
     cubes, changes, count_inside = [], [], 0
     for _ in range(MOST_ROUNDS):
         change = _draw_held(identification, count, rng)
-        errors = _normal_draws(about.widening**2 * about.of_tests, count, rng)
-        cube = identification.cube + errors + product_in_order(change, about.assumed.shifts.T)
+        errors = _normal_draws(uncertainty.widening**2 * uncertainty.of_tests, count, rng)
+        cube = identification.cube + errors + product_in_order(change, uncertainty.assumed.shifts.T)
         inside = ((cube >= 0.0) & (cube <= 1.0)).all(axis=1)
         cubes.append(cube[inside])
         changes.append(change[inside])
@@ -412,13 +414,13 @@ def _posterior_samples(
     problem, best = identification.problem, identification.cube
     residual = np.concatenate(problem.parts(best, fine=True))
     variance = float(residual @ residual) / max(len(residual) - len(best), 1)
-    worth = identification.uncertainty.effective_samples / identification.uncertainty.samples
+    tempering = identification.uncertainty.effective_samples / identification.uncertainty.samples
 
     def _log_probability(u: Floats) -> float:
         if (u < 0.0).any() or (u > 1.0).any():
             return float("-inf")
         r = np.concatenate(problem.parts(u, fine=True))
-        return -0.5 * worth * float(r @ r) / variance
+        return -0.5 * tempering * float(r @ r) / variance
 
     walkers = _walkers(identification)
     # Moves of the walkers multiply differences of their starts. Rounded starts are the same on all
@@ -446,8 +448,9 @@ def _predictive_band(
 ) -> Band:
     """Return the band of loops as in the first test and of its measures at an ambient [degC]."""
     if not -100.0 <= ambient <= 100.0:
-        raise InputError(f"ambient = {ambient} degC: must be between -100 and 100 degC")
+        raise InputError(f"predict = {ambient} degC: must be between -100 and 100 degC")
     test, picked = identification.records[0], np.arange(len(samples.cube))
+    # A quantile needs no more draws; each one is a run of the model.
     if len(picked) > count:
         picked = np.random.default_rng(seed).choice(len(picked), size=count, replace=False)
     best = _best(identification, ambient)
@@ -455,7 +458,7 @@ def _predictive_band(
     runs = [force_of(samples.cube[i], samples.held[i]) for i in picked] if force_of else []
     differences = [difference for difference in runs if difference is not None]
     if best is None or not differences:
-        raise InputError(f"the model does not complete the test at {ambient:g} degC")
+        raise InputError(f"the model does not complete the test at {ambient:.4g} degC")
     forces = best.force + np.array(differences)
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
     measures = [largest_measures(test, force) for force in forces]
@@ -528,10 +531,10 @@ def _errors(identification: Identification, ambient: float) -> dict[str, _Error]
         difference = force_of(cube, changes)
         return None if difference is None else largest_measures(test, best.force + difference)
 
-    return _sources(identification, _measure, middles)
+    return propagate_errors(identification, _measure, middles)
 
 
-def _sources(
+def propagate_errors(
     identification: Identification,
     measure: Callable[[Floats, Floats], dict[str, float] | None],
     middles: Mapping[str, float],
@@ -541,10 +544,10 @@ def _sources(
     Along the axes of the errors by the tests, and by one standard uncertainty of each assumed
     group, with which the parameters move.
     """
-    about = identification.uncertainty
-    nothing = np.zeros(len(about.assumed.groups))
-    roots = _symmetric_root(about.widening**2 * about.of_tests)
-    shifts, widening = about.assumed.shifts, about.assumed.widening
+    uncertainty = identification.uncertainty
+    no_changes = np.zeros(len(uncertainty.assumed.groups))
+    roots = _symmetric_root(uncertainty.widening**2 * uncertainty.of_tests)
+    shifts, widening = uncertainty.assumed.shifts, uncertainty.assumed.widening
 
     def _slopes(along: Floats, changes: Floats) -> dict[str, float]:
         step = PART
@@ -557,29 +560,30 @@ def _sources(
             for name, value in middles.items()
         }
 
-    of_tests = [_slopes(axis, nothing) for axis in roots]
+    of_tests = [_slopes(axis, no_changes) for axis in roots]
     of_groups = [
-        _slopes(shifts[:, k] * wide, np.where(np.arange(len(nothing)) == k, wide, 0.0))
-        for k, wide in enumerate(widening)
+        _slopes(shifts[:, k] * factor, np.where(np.arange(len(no_changes)) == k, factor, 0.0))
+        for k, factor in enumerate(widening)
     ]
     errors = {}
     for name in middles:
         slope = np.array([slopes[name] for slopes in of_groups])
         scatter = sum_of_products(*[[slopes[name] for slopes in of_tests]] * 2)
-        parts = slope * product_in_order(about.assumed.spread, slope)
+        parts = slope * product_in_order(uncertainty.assumed.spread, slope)
+        # An exact test has no variance; shares are ratios to it.
         variance = max(scatter + float(np.sum(parts)), 1e-300)
-        groups = about.assumed.groups
+        groups = uncertainty.assumed.groups
         causes = {"tests": scatter / variance}
         causes |= dict(zip((g.name for g in groups), (parts / variance).tolist(), strict=True))
         undetermined = sum(causes[group.name] for group in groups if not group.of_tests)
         order = [list(causes)[k] for k in order_from_largest(list(causes.values()))]
         share = min(max(undetermined, 0.0), 1.0)
-        some = {cause: causes[cause] for cause in order if abs(causes[cause]) >= NO_SHARE}
-        errors[name] = _Error(math.sqrt(variance), some, share)
+        shares = {cause: causes[cause] for cause in order if abs(causes[cause]) >= NO_SHARE}
+        errors[name] = _Error(math.sqrt(variance), shares, share)
     return errors
 
 
-def _narrower(identification: Identification, band: Band, more: float) -> list[Narrowing]:
+def _narrower(identification: Identification, band: Band, uncertainty: float) -> list[Narrowing]:
     """Return what would narrow K_eq of a band, or its force if there is no loop.
 
     A chamber that is known better, and one test like the first at the temperature of the band,
@@ -592,22 +596,24 @@ def _narrower(identification: Identification, band: Band, more: float) -> list[N
     of_chambers = [
         g.name for g in identification.uncertainty.assumed.groups if g.keys[0] == AMBIENT
     ]
+    # Only where the chamber matters: a cause of a negligible share is no advice.
     if sum(item.shares.get(name, 0.0) for name in of_chambers) >= LEAST_SHARE:
         better = copy(problem)
         better.records = [replace(r, ambient_uncertainty=CHAMBER) for r in problem.records]
         options.append(
-            (f"ambient temperatures known to {CHAMBER:g} K", better, identification, more)
+            (f"ambient temperatures known to {CHAMBER:g} K", better, identification, uncertainty)
         )
+    # Not where a test exists: another test there would hardly add information.
     if min(abs(r.ambient - band.ambient) for r in identification.records) >= SPAN:
         planned, pset = _with_planned_test(identification, band.ambient)
-        name = f"one test at {band.ambient:g} degC"
+        name = f"one test at {band.ambient:.4g} degC"
         options.append((name, planned, replace(identification, pset=pset, cube=pset.start), 0.0))
     narrowed = []
-    for name, variant, fit, beyond in options:
+    for name, variant, fit, extra_uncertainty in options:
         variant.pset = fit.pset
-        about = estimate(variant, fit.cube, groups, fine=False)
-        error = _errors(replace(fit, uncertainty=about), band.ambient)[item.quantity]
-        size = math.hypot(error.size / item.best, beyond)
+        estimated = estimate(variant, fit.cube, groups, fine=False)
+        error = _errors(replace(fit, uncertainty=estimated), band.ambient)[item.quantity]
+        size = math.hypot(error.size / item.best, extra_uncertainty)
         narrowed.append(Narrowing(name, NormalDist().inv_cdf(HIGH) * size))
     return narrowed
 
@@ -616,21 +622,26 @@ def _with_planned_test(
     identification: Identification, ambient: float
 ) -> tuple[Problem, ParameterSet]:
     """Return the problem with one more test like the first, and m_T and n_T free."""
-    two = (ambient, ambient + SPAN)
-    warm = {
+    temperatures = (ambient, ambient + SPAN)
+    temperature_keys = {
         key
-        for key in kinds.default_free(identification.bearing, two)
+        for key in kinds.default_free(identification.bearing, temperatures)
         if kinds.is_of_temperature(key)
     }
     values = identification.values
     parameters = tuple(
-        replace(p, value=values[p.kind.key], free=p.free or (p.kind.key in warm and p.tie is None))
+        replace(
+            p,
+            value=values[p.kind.key],
+            free=p.free or (p.kind.key in temperature_keys and p.tie is None),
+        )
         for p in identification.pset.parameters
     )
     first = identification.records[0]
     middle, predicted = _best(identification, first.ambient), _best(identification, ambient)
     assert middle is not None
     assert predicted is not None
+    # Residuals of the planned test are those of the first, in proportion to the peak force.
     scale = float(np.abs(predicted.force).max()) / first.peak_force
     force = predicted.force + scale * (first.force - middle.force)
     planned = replace(

@@ -9,10 +9,12 @@ import numpy as np
 from thermobearing.bearing.library import as_bearing, load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.scaling import extract_compound, lead_cores, split_parts
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.arguments import checked
+from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import validated
 from thermobearing.identify.fit import parameters as kinds
-from thermobearing.identify.uncertainty.covariance import chosen_groups
+from thermobearing.identify.uncertainty.groups import chosen_groups
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.tables.text import read_text
 
@@ -23,6 +25,7 @@ APART = 0.2  # ... and this part of it: not the bearing that they are of
 ALIKE = 1e-6  # relative difference of two compounds that are one, their files read and written
 
 
+@checked
 def posterior_bearings(
     bearing: Bearing | str | Path, path: str | Path, count: int = 20, *, heat: bool = True
 ) -> list[Bearing]:
@@ -59,29 +62,35 @@ def posterior_bearings(
     >>> [(item.name, item.hysteresis.layer_stiffness) for item in bearings[1:]]
     [('shen-hdr-specimen, sample 1', 30.0), ('shen-hdr-specimen, sample 2', 31.0)]
     """
-    first, where = as_bearing(bearing), str(path)
+    first, file = as_bearing(bearing), str(path)
     if isinstance(count, bool) or not isinstance(count, int) or not 1 <= count <= MOST:
         raise InputError(f"samples = {count!r}: must be an integer from 1 to {MOST}")
-    rows = [row for row in csv.reader(io.StringIO(read_text(Path(path)))) if any(row)]
+    lines = "\n".join(read_text(Path(path)).splitlines())
+    try:
+        rows = [row for row in csv.reader(io.StringIO(lines)) if any(row)]
+    except csv.Error as error:  # a field of more than 131072 characters
+        raise InputError(f"is no table of values between commas: {error}", file) from None
     if len(rows) < 2:
         raise InputError(
-            "contains no samples: a line of symbols and a row for each sample are needed", where
+            "contains no samples: a line of symbols and a row for each sample are needed", file
         )
     fitted = _fitted(first, Path(path).parent / IDENTIFIED)
-    keys = _keys(rows[0], fitted, where)
-    chosen = np.unique(np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int))
-    some = [_sample(fitted, keys, rows[k], k, where) for k in chosen.tolist()]
+    keys = _keys(rows[0], fitted, file)
+    numbers = np.unique(
+        np.linspace(1, len(rows) - 1, min(count, len(rows) - 1)).round().astype(int)
+    )
+    samples = [_sample(fitted, keys, rows[k], k, file) for k in numbers.tolist()]
     if fitted is first:
-        _refuse_others(first, keys, some, where)
+        _refuse_others(first, keys, samples, file)
         cells = {} if heat else {"geometry": first.geometry, "materials": first.materials}
-        return [first, *(sample.model_copy(update=cells) for sample in some)]
-    warm = [key for key in keys if heat and key.startswith(HEAT)]
+        return [first, *(sample.model_copy(update=cells) for sample in samples)]
+    thermal_keys = [key for key in keys if heat and key.startswith(HEAT)]
     sized = []
-    for sample, number in zip(some, chosen, strict=True):
+    for sample, number in zip(samples, numbers, strict=True):
         parts = split_parts(extract_compound(sample), first.geometry, lead_cores(first))
         parts |= {"scragging": sample.scragging, "name": f"{first.name}, sample {number}"}
         scaled = first.model_copy(update=parts)
-        sized.append(_with_ratios(scaled, sample, fitted, warm))
+        sized.append(_with_ratios(scaled, sample, fitted, thermal_keys))
     return [first, *sized]
 
 
@@ -110,30 +119,32 @@ def _fitted(bearing: Bearing, place: Path) -> Bearing:
     for key, value in extract_compound(fitted).rubber:
         present = getattr(rubber, key)
         number = isinstance(present, float) and isinstance(value, float)
+        # Numbers went through a file and back, so that they differ by rounding; texts may not.
         if abs(present - value) > ALIKE * abs(value) if number else present != value:
-            shown, wanted = (f"{v:.6g}" if number else str(v) for v in (present, value))
+            present_text, wanted_text = (f"{v:.6g}" if number else str(v) for v in (present, value))
             message = (
                 f"{bearing.name} differs in size from {fitted.name}, to which the samples belong, "
+                f"and is not made of its compound: {key} is {present_text}, not {wanted_text}; "
+                f"create it with thermobearing new --compound {place}"
             )
-            message += f"and is not made of its compound: {key} is {shown}, not {wanted}; "
-            message += f"create it with thermobearing new --compound {place}"
             raise InputError(message, str(place.with_name(SAMPLES)))
     return fitted
 
 
-def _refuse_others(bearing: Bearing, keys: list[str], some: list[Bearing], where: str) -> None:
+def _refuse_others(bearing: Bearing, keys: list[str], samples: list[Bearing], where: str) -> None:
     """Refuse samples of a bearing of another size, by the numbers that depend on the size."""
     for kind in kinds.available(bearing):
+        # Numbers without bounds relative to the size are alike for all sizes and show nothing.
         if kind.key not in keys or not kind.relative:
             continue
-        values = np.array([kinds.dotted_value(sample, kind.key) for sample in some])
+        values = np.array([kinds.dotted_value(sample, kind.key) for sample in samples])
         actual, mean = kinds.dotted_value(bearing, kind.key) or 0.0, float(values.mean())
         if abs(actual - mean) > max(FAR * float(values.std()), APART * abs(mean)):
-            message = f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {actual:.4g} in "
-            message += (
+            message = (
+                f"{kind.symbol} is {mean:.4g} {kind.unit} in the samples and {actual:.4g} in "
                 f"{bearing.name}: they belong to another bearing. A bearing of the same compound "
+                f"can use them if {IDENTIFIED} of the calibration is in their directory"
             )
-            message += f"can use them if {IDENTIFIED} of the calibration is in their directory"
             raise InputError(message, where)
 
 
@@ -158,9 +169,9 @@ def _keys(head: list[str], bearing: Bearing, where: str) -> list[str]:
 
 
 def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, path: str) -> Bearing:
-    where = f"{path}, row {number}"
+    location = f"{path}, row {number}"
     if len(cells) != len(keys):
-        raise InputError(f"{len(cells)} numbers instead of {len(keys)}", where)
+        raise InputError(f"{len(cells)} numbers instead of {len(keys)}", location)
     data = bearing.model_dump()
     for key, cell in zip(keys, cells, strict=True):
         *tables, name = key.split(".")
@@ -170,6 +181,6 @@ def _sample(bearing: Bearing, keys: list[str], cells: list[str], number: int, pa
         try:
             inner[name] = float(cell)
         except ValueError:
-            raise InputError(f'"{cell}" is not a number', where) from None
+            raise InputError(f'"{cell}" is not a number', location) from None
     data["name"] = f"{bearing.name}, sample {number}"
-    return validated(Bearing, data, where, from_file=False)
+    return validated(Bearing, data, location, from_file=False)

@@ -12,25 +12,22 @@ from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.new import new_bearing
 from thermobearing.border.cases import absolute, load_things, unlike
-from thermobearing.border.errors import InputError, is_file, nearest
+from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import Library, is_path
+from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Strict, validated
+from thermobearing.border.title import case_table
 from thermobearing.border.units import with_unit
 from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
 from thermobearing.earthquake.motions import settle_motions
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.record import GroundMotion
-from thermobearing.report.title import case_table
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.structure.model import load_structure
 from thermobearing.studies.definition import record
-from thermobearing.studies.definition.designs import (
-    list_targets,
-    moves_warmth,
-    reach_faults,
-    spelled,
-)
+from thermobearing.studies.definition.designs import Plan, reach_faults
 from thermobearing.studies.definition.motions import STAND_IN, motions_to_be, with_kept
+from thermobearing.studies.definition.targets import affects_rest_temperature, spelled
 
 M = TypeVar("M", bound=Strict)
 NAMED = {"bearings": "bearing", "motions": "motion", "structure": "structure", "ambient": "ambient"}
@@ -77,75 +74,77 @@ def make_study(table: dict[str, Any], where: str, folder: Path = Path()) -> reco
 def _settled(table: dict[str, Any], folder: Path) -> tuple[record.Study | None, list[str]]:
     """Return the study of a table, or None, and the errors."""
     faults: list[str] = []
-    case, given = _parted(table, faults)
+    case, factor_tables = _split_table(table, faults)
     parts: dict[str, Any] = {}
     for key, model in (("design", record.Design), ("keep", record.Keep)):
         parts[key] = _checked(model, table.get(key, {}), key, faults)
     motions: list[GroundMotion] = []
-    if "motion" in given:
-        motions = _settle_motions(given["motion"], folder, faults)
-    if "bearing" in given:
-        _settle_bearings(given["bearing"], folder, faults)
-    _settle_structures(given["structure"], folder, faults)
-    if "ambient" in given:
-        _settle_weather(given["ambient"], folder)
-    made: dict[str, Any] = {
+    if "motion" in factor_tables:
+        motions = _settle_motions(factor_tables["motion"], folder, faults)
+    if "bearing" in factor_tables:
+        _settle_bearings(factor_tables["bearing"], folder, faults)
+    _settle_structures(factor_tables["structure"], folder, faults)
+    if "ambient" in factor_tables:
+        _settle_weather(factor_tables["ambient"], folder)
+    checked_factors: dict[str, Any] = {
         name: _checked(FACTORS.get(name, record.NumberFactor), item, f"factors.{name}", faults)
-        for name, item in given.items()
+        for name, item in factor_tables.items()
     }
-    numbers = {name: made.pop(name) for name in list(made) if name not in FACTORS}
+    numbers = {
+        name: checked_factors.pop(name) for name in list(checked_factors) if name not in FACTORS
+    }
     faults += [
         f"factors: factors.{name} is missing"
         for name in ("bearing", "motion", "ambient")
-        if name not in given
+        if name not in factor_tables
     ]
-    called = table.get("name")
-    if not isinstance(called, str):
+    study_name = table.get("name")
+    if not isinstance(study_name, str):
         faults.append(
-            'missing key "name"' if called is None else f"name = {called!r}: must be text"
+            'missing key "name"' if study_name is None else f"name = {study_name!r}: must be text"
         )
     if faults:
         return None, faults
     try:
-        if made["motion"].matched is not None:
-            motions = motions_to_be(made["motion"])
-        factors = validated(record.Factors, made | {"numbers": numbers}, "")
-        found = _with_case(case, factors, motions, folder)
-        merged = {"name": called, "case": found[0], "factors": found[1]}
-        study = validated(record.Study, merged | parts, "")
+        if checked_factors["motion"].matched is not None:
+            motions = motions_to_be(checked_factors["motion"])
+        factors = validated(record.Factors, checked_factors | {"numbers": numbers}, "")
+        common_case, factors = _with_case(case, factors, motions, folder)
+        study_table = {"name": study_name, "case": common_case, "factors": factors}
+        study = validated(record.Study, study_table | parts, "")
     except InputError as error:
         return None, error.lines()
     return study, _study_faults(study)
 
 
-def _parted(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+def _split_table(table: dict[str, Any], faults: list[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the common case of all runs, and the table of each factor."""
     case, factors = table.get("case", {}), table.get("factors", {})
     for key, item in (("case", case), ("factors", factors)):
         if not isinstance(item, dict):
             faults.append(f"{key}: must be a table")
     case = dict(case) if isinstance(case, dict) else {}
-    given = {"structure": [DEFAULT]} | (dict(factors) if isinstance(factors, dict) else {})
-    known = [*FACTORS, "bearing.K_r", "structure.<...>", "case.<...>"]
-    for name in given:
+    factor_tables = {"structure": [DEFAULT]} | (dict(factors) if isinstance(factors, dict) else {})
+    factor_names = [*FACTORS, "bearing.K_r", "structure.<...>", "case.<...>"]
+    for name in factor_tables:
         if name not in FACTORS and "." not in name:
-            faults.append(f'unknown factor "{name}"{nearest(name, known)}')
+            faults.append(f'unknown factor "{name}"{nearest(name, factor_names)}')
     for key, name in NAMED.items():
         if key not in case:
             continue
         if isinstance(factors, dict) and name in factors:
             faults.append(f"case.{key}: also given as factors.{name}; remove one of them")
-        given[name] = case.pop(key)
+        factor_tables[name] = case.pop(key)
     faults += [f"case.{key}: {REFUSED[key]}" for key in case if key in REFUSED]
-    return case, {name: _as_table(item) for name, item in given.items()}
+    return case, {name: _as_table(item) for name, item in factor_tables.items()}
 
 
 def _as_table(item: Any) -> Any:
     """Return a factor as a table; levels may be given alone, and one level without a list."""
     if isinstance(item, dict):
         levels = item.get("levels")
-        alone = levels is not None and not isinstance(levels, list | tuple)
-        return {**item, "levels": [levels]} if alone else dict(item)
+        is_single = levels is not None and not isinstance(levels, list | tuple)
+        return {**item, "levels": [levels]} if is_single else dict(item)
     return {"levels": list(item) if isinstance(item, list | tuple) else [item]}
 
 
@@ -153,10 +152,10 @@ def _checked(model: type[M], table: Any, key: str, faults: list[str]) -> M | Non
     try:
         return validated(model, table, "")
     except InputError as error:
-        found = [
+        messages = [
             f"{key}.{text}" if KEY.match(text) else f"{key}: {text}" for text in error.problems
         ]
-        faults += unlike(found, faults)
+        faults += unlike(messages, faults)
         return None
 
 
@@ -164,14 +163,15 @@ def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -
     if not isinstance(table.get("levels"), list):
         return
     faults += load_things(table, "levels", load_structure, folder, before="factors.structure.")
-    faults += _twice(table["levels"], "structure")
+    faults += _duplicate_faults(table["levels"], "structure")
 
 
-def _twice(levels: list[Any], factor: str) -> list[str]:
+def _duplicate_faults(levels: list[Any], factor: str) -> list[str]:
     names = [getattr(item, "name", "") for item in levels]
-    twice = dict.fromkeys(name for name in names if name and names.count(name) > 1)
+    duplicates = dict.fromkeys(name for name in names if name and names.count(name) > 1)
     return [
-        f'factors.{factor}.levels: two have the name "{name}"; names must differ' for name in twice
+        f'factors.{factor}.levels: two have the name "{name}"; names must differ'
+        for name in duplicates
     ]
 
 
@@ -189,12 +189,14 @@ def _settle_motions(table: dict[str, Any], folder: Path, faults: list[str]) -> l
         table["matched"] = str((folder / matched).absolute())
     if not isinstance(levels, list):
         return []
-    table["levels"], motions, found = settle_motions(levels, folder, "factors.motion.levels[{}]")
-    faults += [text.replace("motions:", "factors.motion:", 1) for text in found]
-    pairs = [one for one in table["levels"] if isinstance(one, dict) and "across" in one]
+    table["levels"], motions, motion_faults = settle_motions(
+        levels, folder, "factors.motion.levels[{}]"
+    )
+    faults += [text.replace("motions:", "factors.motion:", 1) for text in motion_faults]
+    pairs = [level for level in table["levels"] if isinstance(level, dict) and "across" in level]
     if matched is not None and pairs:
         faults.append("factors.motion.matched: single records can be matched, not pairs")
-    if not found:  # a plan has names without paths
+    if not motion_faults:  # a plan has names without paths
         for item, motion in zip(table["levels"], motions, strict=False):
             if isinstance(item, dict) and item.get("label") is None:
                 item["label"] = motion.name
@@ -207,39 +209,44 @@ def _with_case(
     """Return the common case of all runs, and factors with complete structures."""
     ambient = factors.ambient.levels[0] if factors.ambient.levels else 0.0
     bearings = [
-        one.bearing if isinstance(one, record.Posterior) else one for one in factors.bearing.levels
+        level.bearing if isinstance(level, record.Posterior) else level
+        for level in factors.bearing.levels
     ]
     if factors.ambient.hourly:
         case = dict(case)
         settle_surroundings(case)
-    plain = factors.motion.matched is None
+    # The case of each structure has the first bearing, motion and temperature; a motion that is to
+    # be matched does not exist yet, and a built-in one takes its place.
+    recorded = factors.motion.levels if factors.motion.matched is None else None
+    motion = recorded[0] if recorded else STAND_IN
     first = {
         "bearings": bearings[:1],
-        "motions": [factors.motion.levels[0] if plain and factors.motion.levels else STAND_IN],
+        "motions": [motion],
         "ambient": [with_unit(ambient, "degC")],
     }
-    made = [
-        make_earthquake_case({**case, **first, "structure": one}, "case", folder)
-        for one in factors.structure.levels
+    cases = [
+        make_earthquake_case({**case, **first, "structure": structure}, "case", folder)
+        for structure in factors.structure.levels
     ]
-    found: list[str] = []
-    for one in made:
-        found += one.model_copy(update={"bearings": bearings}).faults()
-    found += made[0].motion_faults(motions)
-    if found:
-        raise InputError([f"case: {text}" for text in dict.fromkeys(found)])
-    structures = factors.structure.model_copy(update={"levels": [one.structure for one in made]})
-    return made[0], factors.model_copy(update={"structure": structures})
+    faults: list[str] = []
+    for level_case in cases:
+        faults += level_case.model_copy(update={"bearings": bearings}).faults()
+    faults += cases[0].motion_faults(motions)
+    if faults:
+        raise InputError([f"case: {text}" for text in dict.fromkeys(faults)])
+    structures = [level_case.structure for level_case in cases]
+    factor = factors.structure.model_copy(update={"levels": structures})
+    return cases[0], factors.model_copy(update={"structure": factor})
 
 
 def _plan_faults(study: record.Study) -> list[str]:
     """Return what cannot be combined with structures in plan, which are moved by pairs."""
-    motion, plans = study.factors.motion, [one.plan for one in study.factors.structure.levels]
+    motion, plans = study.factors.motion, [level.plan for level in study.factors.structure.levels]
     if not any(plans):
         return []
     if not all(plans):
         return ["factors.structure: structures in plan and others require separate studies"]
-    pairs = motion.matched is None and all(one.is_pair for one in motion.levels or [])
+    pairs = motion.matched is None and all(level.is_pair for level in motion.levels or [])
     if not pairs or study.case.components == 1:
         return [
             "factors.motion: a study of structures in plan takes pairs, which act together; give "
@@ -274,16 +281,17 @@ def _study_faults(study: record.Study) -> list[str]:
     except InputError as error:
         faults += error.lines("factors.ambient")
     try:
-        faults += [*reach_faults(study), *_heat_faults(study)]
+        plan = Plan(study)
+        faults += [*reach_faults(plan), *_heat_faults(plan)]
     except InputError as error:
         faults += error.problems
     return faults
 
 
-def _heat_faults(study: record.Study) -> list[str]:
+def _heat_faults(plan: Plan) -> list[str]:
     """Return the errors of varied thermal properties where many runs share their temperatures."""
-    ambient = study.factors.ambient
-    names = [target.name for target in list_targets(study) if moves_warmth(target)]
+    ambient = plan.study.factors.ambient
+    names = [target.name for target in plan.targets if affects_rest_temperature(target)]
     faults = []
     if ambient.hourly and ambient.history is None:
         faults += [
@@ -292,7 +300,7 @@ def _heat_faults(study: record.Study) -> list[str]:
             "factors.ambient, which is long enough"
             for name in names
         ]
-    if study.design.lockstep:
+    if plan.study.design.lockstep:
         faults += [
             f"design.lockstep: true is impossible, because factors.{name} changes thermal "
             "properties from run to run; remove it"
@@ -304,39 +312,41 @@ def _heat_faults(study: record.Study) -> list[str]:
 AnyLevel = Bearing | BilinearBearing | record.Posterior | Any  # others are found by later checks
 ANY = "shen-bilinear-bridge"
 OF_POSTERIOR = ("posterior", "bearing", "count", "name")
-OF_DRAWING = ("compound", "size", "name")
+OF_COMPOUND = ("compound", "size", "name")
 SIZES = ("plan", "diameter", "layers", "shim", "end_plate", "sealing_plate", "lead")  # text
 OTHERS = ("cores", "confined", "end_spreading")
 
 
 def _settle_bearings(table: dict[str, Any], folder: Path, faults: list[str]) -> None:
     """Replace the levels of a table `factors.bearing` by records of bearings and posteriors."""
-    own: dict[str, Any] = {}
+    inline_level: dict[str, Any] = {}
     if {"posterior", "compound"} & set(table):
-        own = {
+        inline_level = {
             key: table.pop(key)
             for key in list(table)
             if key not in record.BearingFactor.model_fields
         }
-    if own and "levels" in table:
+    if inline_level and "levels" in table:
         faults.append(
-            f"factors.bearing: {', '.join(sorted(own))} in addition to levels; add a level "
-            'such as {posterior = "fit"} instead'
+            f"factors.bearing: {', '.join(sorted(inline_level))} in addition to levels; add a "
+            'level such as {posterior = "fit"} instead'
         )
-    levels = table.get("levels") if not own else [own]
+    levels = table.get("levels") if not inline_level else [inline_level]
     if not isinstance(levels, list):
         return
-    settled: list[AnyLevel] = []
-    before = len(faults)
+    level_records: list[AnyLevel] = []
+    faults_before = len(faults)
     for number, item in enumerate(levels):
-        key = "factors.bearing" if own else f"factors.bearing.levels[{number}]"
+        key = "factors.bearing" if inline_level else f"factors.bearing.levels[{number}]"
         try:
-            settled += _level(item, folder)
+            level_records += _level(item, folder)
         except InputError as error:
             faults += error.lines(key)
     # After an error a library bearing lets the other checks continue.
-    table["levels"] = settled or [load_device(ANY)] if len(faults) > before else settled
-    faults += _twice(settled, "bearing")
+    table["levels"] = level_records
+    if len(faults) > faults_before and not level_records:
+        table["levels"] = [load_device(ANY)]
+    faults += _duplicate_faults(level_records, "bearing")
 
 
 def _level(item: Any, folder: Path) -> list[AnyLevel]:
@@ -345,21 +355,21 @@ def _level(item: Any, folder: Path) -> list[AnyLevel]:
     if isinstance(item, dict) and "posterior" in item and item.get("kind") != "posterior":
         return [_posterior(item, folder)]
     if isinstance(item, dict) and "compound" in item:
-        return list(_drawn(item, folder))
+        return list(_compound_bearings(item, folder))
     return [item]
 
 
 def _posterior(item: dict[str, Any], folder: Path) -> record.Posterior:
     """Return the checked samples of a calibration, from its directory or file."""
     _refuse_unknown(item, OF_POSTERIOR)
-    given = item["posterior"]
-    if not isinstance(given, str | Path) or not str(given):
+    source = item["posterior"]
+    if not isinstance(source, str | Path) or not str(source):
         raise InputError("posterior: must be the directory of a calibration, or its posterior.csv")
-    path = (folder / given).absolute()
+    path = (folder / source).absolute()
     path = path if is_file(path) else path / SAMPLES
     if not is_file(path):
         raise InputError(
-            f'posterior = "{given}": has no {SAMPLES}; identify writes it with --posterior'
+            f'posterior = "{source}": has no {SAMPLES}; identify writes it with --posterior'
         )
     fitted, bearing = path.with_name(IDENTIFIED), item.get("bearing")
     if bearing is None and not is_file(fitted):
@@ -367,22 +377,23 @@ def _posterior(item: dict[str, Any], folder: Path) -> record.Posterior:
             f"posterior: the key bearing is missing, and there is no {IDENTIFIED} next to it"
         )
     if isinstance(bearing, str | Path):
-        own = str(bearing).endswith(".toml")
-        bearing = load_bearing(folder / bearing if own else bearing)
+        is_file_name = str(bearing).endswith(".toml")
+        bearing = load_bearing(folder / bearing if is_file_name else bearing)
     bearing = load_bearing(fitted) if bearing is None else bearing
     if not isinstance(bearing, Bearing):
         raise InputError("bearing: must be the name or the file of a bearing")
-    more = {"count": item["count"]} if "count" in item else {}
-    made = record.Posterior(
-        name=item.get("name", bearing.name), posterior=str(path), bearing=bearing, **more
+    options = {"count": item["count"]} if "count" in item else {}
+    posterior = record.Posterior(
+        name=item.get("name", bearing.name), posterior=str(path), bearing=bearing, **options
     )
-    posterior_bearings(made.bearing, path, made.count)
-    return made
+    # Raises InputError where the samples do not fit the bearing.
+    posterior_bearings(posterior.bearing, path, posterior.count)
+    return posterior
 
 
-def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
+def _compound_bearings(item: dict[str, Any], folder: Path) -> list[Bearing]:
     """Return bearings of a compound, one for each combination of sizes."""
-    _refuse_unknown(item, OF_DRAWING)
+    _refuse_unknown(item, OF_COMPOUND)
     size = item.get("size")
     if not isinstance(size, dict) or not size:
         raise InputError(
@@ -394,31 +405,33 @@ def _drawn(item: dict[str, Any], folder: Path) -> list[Bearing]:
     if missing := [key for key in ("layers", "shim") if key not in size]:
         raise InputError(f"size: missing {' and '.join(missing)}")
     compounds = _listed(item["compound"])
-    several = {"compound": compounds} | {key: _listed(value) for key, value in size.items()}
+    choices = {"compound": compounds} | {key: _listed(value) for key, value in size.items()}
     for key in set(SIZES) & set(size):
-        for value in several[key]:
+        for value in choices[key]:
             if not isinstance(value, str):
                 raise InputError(f'size.{key} = {value!r} has no unit; write "{value} mm"')
-    vary = [key for key, values in several.items() if len(values) > 1]
-    found = []
-    for values in product(*several.values()):
-        one = dict(zip(several, values, strict=True))
-        compound = one.pop("compound")
-        own = folder / compound if is_path(compound) else compound
+    varied = [key for key, values in choices.items() if len(values) > 1]
+    bearings = []
+    for values in product(*choices.values()):
+        sizes = dict(zip(choices, values, strict=True))
+        compound = sizes.pop("compound")
+        compound_source = folder / compound if is_path(compound) else compound
         words = [str(item.get("name", Path(str(compound)).stem))]
-        words += [f"{key} {one[key]}" for key in vary if key != "compound"]
-        if "name" in item and "compound" in vary:
+        words += [f"{key} {sizes[key]}" for key in varied if key != "compound"]
+        if "name" in item and "compound" in varied:
             words.append(Path(str(compound)).stem)
         name = " ".join(words).replace("/", " ").replace("\\", " ")
-        found.append(new_bearing(name, own, **one))
-    return found
+        bearings.append(new_bearing(name, compound_source, **sizes))
+    return bearings
 
 
 def _listed(value: Any) -> list[Any]:
     return list(value) if isinstance(value, list | tuple) else [value]
 
 
-def _refuse_unknown(item: dict[str, Any], known: tuple[str, ...]) -> None:
-    unknown = [f'unknown key "{key}"{nearest(key, known)}' for key in item if key not in known]
+def _refuse_unknown(item: dict[str, Any], known_keys: tuple[str, ...]) -> None:
+    unknown = [
+        f'unknown key "{key}"{nearest(key, known_keys)}' for key in item if key not in known_keys
+    ]
     if unknown:
         raise InputError(unknown)

@@ -1,30 +1,30 @@
 """Columns and designs of a study: one row for each run, identified by a digest of its input.
 
 A column of the plan is a factor. Factors with levels are crossed; every combination has a row for
-each sample of the drawn factors (distributions, random levels). See `plan`.
+each sample of the drawn factors (distributions, random levels). A `Plan` is made once for a study
+and handed on.
 """
 
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from thermobearing.bearing.ambient import COLDEST, HOTTEST
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
-from thermobearing.border.schema import Strict, find_unit, validated
+from thermobearing.border.schema import Strict, validated
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.motions import Motion
-from thermobearing.identify.fit.parameters import ALIASES
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
@@ -32,7 +32,6 @@ from thermobearing.studies.definition.motions import factor_motions, motion_leve
 from thermobearing.studies.definition.record import (
     COLUMNS,
     MOST_RUNS,
-    OF_FACTORS,
     AmbientFactor,
     Design,
     Distribution,
@@ -45,157 +44,16 @@ from thermobearing.studies.definition.record import (
     intensity,
     parse_number,
 )
+from thermobearing.studies.definition.targets import (
+    Target,
+    affects_rest_temperature,
+    find_target,
+    spelled,
+    value_at,
+    with_numbers,
+)
 
-NumberPath = tuple[str | int, ...]
-S = TypeVar("S", bound=Strict)
-FACES = (("analysis", "upper_face"), ("analysis", "lower_face"), ("analysis", "side"))
-# Numbers of a bearing that do not affect its heat cells.
-WITHOUT_HEAT: dict[str | int, set[str] | None] = {
-    "hysteresis": None,
-    "scragging": None,
-    "rate": None,
-    "lead": {
-        "stiffness",
-        "yield_stress",
-        "softening",
-        "softening_beyond_tests",
-        "reference_temperature",
-    },
-}
-
-
-@dataclass(frozen=True)
-class Target:
-    """A number that a study varies."""
-
-    name: str  # dotted, as in the study
-    part: str  # "bearing", "structure" or "case"
-    paths: Sequence[NumberPath | None]  # in each level of the part; None in one without it
-    unit: str | None  # None if dimensionless
-    of: str  # "factor" multiplies it, "value" replaces it
-
-    def change(self, level: int, record: Strict, number: float) -> dict[NumberPath, float]:
-        """Return the changed number of a record of a level, by its path; {} without it."""
-        path = self.paths[level]
-        if path is None:
-            return {}
-        return {path: number * _value_at(record, path) if self.of == "factor" else number}
-
-
-def _find_target(name: str, of: str, levels: Mapping[str, Sequence[Strict]]) -> Target:
-    part, key = spelled(name)
-    if part not in levels:
-        raise InputError(f'factors: no part "{part}" in "{name}"; known: {", ".join(levels)}')
-    without = OF_FACTORS if part == "case" else ()
-    known = [_number_paths(level, without) for level in levels[part]]
-    found = [paths.get(key) for paths in known]
-    units = [place[1] for place in found if place is not None]
-    if not units:
-        names = {f"{part}.{key}" for paths in known for key in paths}
-        if part == "bearing":
-            names |= {
-                f"bearing.{alias}" for alias, key in ALIASES.items() if f"bearing.{key}" in names
-            }
-        raise InputError(f'factors: no number "{name}"{_nearest(name, names)}')
-    return Target(name, part, [None if one is None else one[0] for one in found], units[0], of)
-
-
-def _nearest(name: str, names: set[str]) -> str:
-    close = nearest(name, names)
-    if not close.startswith("; known"):
-        return close
-    part = name.rpartition(".")[0]
-    within = sorted(one for one in names if one.rpartition(".")[0] == part)
-    return nearest(name, within or {one.rpartition(".")[0] + ".…" for one in names})
-
-
-def _number_paths(
-    record: Strict, without: Sequence[str] = ()
-) -> dict[str, tuple[NumberPath, str | None]]:
-    """Return path and unit of all numbers of a record except counts, by dotted name."""
-    found = _numbers(record, "", ())
-    return {name: (path, unit) for name, path, unit in found if path[0] not in without}
-
-
-def _numbers(
-    record: Strict, before: str, above: NumberPath
-) -> Iterator[tuple[str, NumberPath, str | None]]:
-    for key in type(record).model_fields:
-        value = getattr(record, key)
-        name, path = f"{before}{key}", (*above, key)
-        if isinstance(value, float):
-            yield name, path, find_unit(type(record), key)
-        elif isinstance(value, Strict):
-            yield from _numbers(value, f"{name}.", path)
-        elif isinstance(value, list | tuple):
-            for number, (label, item) in enumerate(zip(_labels(value), value, strict=True)):
-                if isinstance(item, Strict):
-                    yield from _numbers(item, f"{name}{label}.", (*path, number))
-
-
-def _labels(items: list[Any] | tuple[Any, ...]) -> list[str]:
-    """Return the key of each item of a list: its name, its body, or its number."""
-    names = [str(getattr(item, "name", getattr(item, "body", ""))) for item in items]
-    return [
-        f".{name}" if name and names.count(name) == 1 else f"[{number}]"
-        for number, name in enumerate(names)
-    ]
-
-
-def spelled(name: str) -> tuple[str, str]:
-    """Return part and dotted key of a number: of "bearing.K_r" hysteresis.layer_stiffness."""
-    part, _, key = name.partition(".")
-    return part, ALIASES.get(key, key) if part == "bearing" else key
-
-
-def _value_at(record: Any, path: NumberPath) -> float:
-    """Return the number at a path."""
-    for step in path:
-        record = record[step] if isinstance(step, int) else getattr(record, step)
-    return float(record)
-
-
-def with_numbers(record: S, changes: Mapping[NumberPath, float]) -> S:
-    """Return the record with other numbers, without checking limits again."""
-    update: dict[str, Any] = {}
-    for key in dict.fromkeys(path[0] for path in changes):
-        inner = {path[1:]: value for path, value in changes.items() if path[0] == key}
-        assert isinstance(key, str)
-        update[key] = _changed(getattr(record, key), inner)
-    return record.model_copy(update=update)
-
-
-def _changed(value: Any, changes: Mapping[NumberPath, float]) -> Any:
-    """Return a number, a record or a list of records with other numbers."""
-    if () in changes:
-        return changes[()]
-    if isinstance(value, Strict):
-        return with_numbers(value, changes)
-    made = list(value)
-    for number in {path[0] for path in changes}:
-        assert isinstance(number, int)
-        inner = {path[1:]: new for path, new in changes.items() if path[0] == number}
-        made[number] = with_numbers(made[number], inner)
-    return type(value)(made)
-
-
-def moves_heat(path: NumberPath) -> bool:
-    """Return whether a number of a bearing affects its heat cells."""
-    if path[0] not in WITHOUT_HEAT:
-        return True
-    within = WITHOUT_HEAT[path[0]]
-    return within is not None and path[1] not in within
-
-
-def moves_warmth(target: Target) -> bool:
-    """Return whether a varied number changes the temperature of a bearing at rest."""
-    path = next(one for one in target.paths if one is not None)
-    if target.part == "case":
-        return path[:2] in FACES
-    return target.part == "bearing" and moves_heat(path)
-
-
-THINGS = ("structure", "bearing", "motion")
+NAMED_FACTORS = ("structure", "bearing", "motion")
 AMBIENT, HOUR = "ambient_degC", "hour"
 SAMPLE = "bearing.sample"  # number of a posterior sample; -1 of a bearing without
 
@@ -231,23 +89,23 @@ class Column:
         return self._values_at(np.searchsorted(ends, probability, side="right"))
 
 
-def list_columns(study: Study) -> list[Column]:
+def _list_columns(study: Study, targets: Sequence[Target]) -> list[Column]:
     """Return the columns of a study: names, then numbers, those with dotted names last."""
     factors = study.factors
     columns = []
-    for name in THINGS:
+    for name in NAMED_FACTORS:
         factor = getattr(factors, name)
         motions = isinstance(factor, MotionFactor)
-        names = factor.names if motions else [str(one.name) for one in factor.levels]
+        names = factor.names if motions else [str(level.name) for level in factor.levels]
         columns.append(Column(name, names, chances=_chances(factor, len(names))))
-        if name == "bearing" and any(isinstance(one, Posterior) for one in factor.levels):
+        if name == "bearing" and any(isinstance(level, Posterior) for level in factor.levels):
             columns.append(Column(SAMPLE, share=True))
     columns.append(_number(factors.scale, "scale", factors.scale.unit, "factors.scale"))
     if factors.ambient.hourly:
         columns.append(Column(HOUR, share=True))
     else:
         columns.append(_number(factors.ambient, AMBIENT, "degC", "factors.ambient"))
-    for target in list_targets(study):
+    for target in targets:
         unit = target.unit if target.of == "value" else None
         number = factors.numbers[target.name]
         columns.append(_number(number, target.name, unit, f"factors.{target.name}"))
@@ -272,8 +130,8 @@ def _number(
     numbers, faults = [], []
     for place, level in enumerate(factor.levels):
         try:
-            ready = isinstance(factor, AmbientFactor)  # its levels have been converted
-            numbers.append(float(level) if ready else parse_number(level, unit))
+            is_converted = isinstance(factor, AmbientFactor)  # its levels have been converted
+            numbers.append(float(level) if is_converted else parse_number(level, unit))
         except InputError as error:
             faults += error.lines(f"{key}.levels[{place}]")
     if not faults and len(set(numbers)) < len(numbers) and not isinstance(factor, AmbientFactor):
@@ -283,17 +141,11 @@ def _number(
     return Column(name, numbers, chances=_chances(factor, len(numbers)))
 
 
-def list_targets(study: Study) -> list[Target]:
-    """Return the numbers that a study varies by dotted name."""
-    levels = _levels_by_part(study)
-    return [_find_target(name, one.of, levels) for name, one in study.factors.numbers.items()]
-
-
 def _levels_by_part(study: Study) -> dict[str, list[Strict]]:
     """Return the records whose numbers have dotted names, by the first part of the name."""
     bearings = study.factors.bearing.levels
     return {
-        "bearing": [one.bearing if isinstance(one, Posterior) else one for one in bearings],
+        "bearing": [level.bearing if isinstance(level, Posterior) else level for level in bearings],
         "structure": list(study.factors.structure.levels),
         "case": [study.case],
     }
@@ -303,49 +155,49 @@ LARGEST_SCALE = 1000.0
 CUT = "; truncate it with low and high, or use a narrower one"
 
 
-def reach_faults(study: Study) -> list[str]:
+def reach_faults(plan: "Plan") -> list[str]:
     """Return the errors of numbers that a study of a million runs may have."""
     ends: dict[str, tuple[float, float]] = {}
     drawn: dict[str, str] = {}
-    for column in list_columns(study):
+    for column in plan.columns:
         if column.distribution is not None:
             ends[column.name] = column.distribution.reach
             drawn[column.name] = f"a {column.distribution.kind} distribution reaches "
         elif column.levels and not isinstance(column.levels[0], str):
             numbers = np.array(column.levels, dtype=np.float64)
             ends[column.name] = float(numbers.min()), float(numbers.max())
-    return _faults(study, ends, drawn)
+    return _faults(plan, ends, drawn)
 
 
-def _check_numbers(study: Study, numbers: Mapping[str, Floats]) -> None:
+def _check_numbers(plan: "Plan", numbers: Mapping[str, Floats]) -> None:
     """Raise InputError for drawn numbers outside their limits, by column."""
-    known = {name: values[~np.isnan(values)] for name, values in numbers.items()}
-    ends = {name: (float(v.min()), float(v.max())) for name, v in known.items() if len(v)}
-    if found := _faults(study, ends, {}):
-        raise InputError(found)
+    finite = {name: values[~np.isnan(values)] for name, values in numbers.items()}
+    ends = {name: (float(v.min()), float(v.max())) for name, v in finite.items() if len(v)}
+    if faults := _faults(plan, ends, {}):
+        raise InputError(faults)
 
 
 def _faults(
-    study: Study, ends: Mapping[str, tuple[float, float]], drawn: Mapping[str, str]
+    plan: "Plan", ends: Mapping[str, tuple[float, float]], drawn: Mapping[str, str]
 ) -> list[str]:
     """Return the errors of the smallest and the largest number of each column."""
-    faults = []
+    study, faults = plan.study, []
     scale, top = study.factors.scale, LARGEST_SCALE
     limits = {"scale": (0.0, top, scale.unit or ""), AMBIENT: (COLDEST, HOTTEST, "degC")}
     for name in (name for name in limits if name in ends):
         (low, high, unit), (smallest, largest) = limits[name], ends[name]
         positive = name == "scale"
         if smallest < low or largest > high or (positive and smallest <= 0.0):
-            wrong = smallest if smallest < low or smallest == low == 0.0 else largest
-            least = "greater than 0 and at most" if positive else f"{low:g} to"
+            faulty = smallest if smallest < low or smallest == low == 0.0 else largest
+            bound = "greater than 0 and at most" if positive else f"{low:g} to"
             faults.append(
                 f"factors.{'scale' if positive else 'ambient'}: "
-                + f"{drawn.get(name, '')}{wrong:g} {unit}".rstrip()
-                + f": must be {least} {high:g} {unit}".rstrip()
+                + f"{drawn.get(name, '')}{faulty:g} {unit}".rstrip()
+                + f": must be {bound} {high:g} {unit}".rstrip()
                 + (CUT if name in drawn else "")
             )
     records = _levels_by_part(study)
-    for target in list_targets(study):
+    for target in plan.targets:
         if target.name in ends:
             faults += _target_faults(target, records[target.part], ends[target.name], drawn)
     return faults
@@ -360,20 +212,28 @@ def _target_faults(
         if path is None:
             continue
         for number in ends:
-            made = with_numbers(record, target.change(level, record, number))
+            changed = with_numbers(record, target.change(level, record, number))
             try:
-                validated(type(made), made.model_dump(), "", from_file=False)
+                validated(type(changed), changed.model_dump(), "", from_file=False)
             except InputError as error:
-                what, more = f"{number:g}", ""
+                number_text, remark = f"{number:g}", ""
                 if target.of == "factor":
-                    what, more = f"{number:g} of it", f" (it is {_value_at(record, path):g})"
-                text = f"factors.{target.name}: {drawn.get(target.name, '')}{what}: "
-                text += "; ".join(error.problems) + more
-                return [text + (CUT if target.name in drawn else "")]
+                    number_text = f"{number:g} of it"
+                    remark = f" (it is {value_at(record, path):g})"
+                reach, cure = drawn.get(target.name, ""), CUT if target.name in drawn else ""
+                problems = "; ".join(error.problems)
+                return [f"factors.{target.name}: {reach}{number_text}: {problems}{remark}{cure}"]
     return []
 
 
 AnyBearing: TypeAlias = Bearing | BilinearBearing
+
+
+def _sampled_bearings(level: Posterior) -> list[AnyBearing]:
+    """Return the bearing of each sample of a posterior."""
+    path = Path(level.posterior)
+    # The first bearing is the calibrated one.
+    return list(posterior_bearings(level.bearing, path, level.count, heat=False)[1:])
 
 
 class Levels:
@@ -383,31 +243,31 @@ class Levels:
         self.study = study
 
     @cached_property
-    def _each(self) -> list[list[AnyBearing]]:
+    def _level_bearings(self) -> list[list[AnyBearing]]:
         """Bearings of each level: the samples of a posterior, or a single one."""
         return [
-            list(posterior_bearings(one.bearing, Path(one.posterior), one.count, heat=False)[1:])
-            if isinstance(one, Posterior)
-            else [one]
-            for one in self.study.factors.bearing.levels
+            _sampled_bearings(level) if isinstance(level, Posterior) else [level]
+            for level in self.study.factors.bearing.levels
         ]
 
     @cached_property
     def bearings(self) -> list[AnyBearing]:
         """All bearings, level after level."""
-        return [bearing for level in self._each for bearing in level]
+        return [bearing for level in self._level_bearings for bearing in level]
 
     @cached_property
     def _counts(self) -> Ints:
         """Number of samples of each level of the bearing; 0 of a single bearing."""
-        levels = zip(self._each, self.study.factors.bearing.levels, strict=True)
-        counts = [len(each) if isinstance(one, Posterior) else 0 for each, one in levels]
+        levels = zip(self._level_bearings, self.study.factors.bearing.levels, strict=True)
+        counts = [
+            len(bearings) if isinstance(level, Posterior) else 0 for bearings, level in levels
+        ]
         return np.array(counts, dtype=np.int64)
 
     def place(self, level: Ints, sample: Ints) -> Ints:
         """Return the places in `bearings` of samples (-1: none) of levels."""
-        taken = np.maximum(self._counts, 1)
-        return np.asarray((np.cumsum(taken) - taken)[level] + np.maximum(sample, 0))
+        sizes = np.maximum(self._counts, 1)
+        return np.asarray((np.cumsum(sizes) - sizes)[level] + np.maximum(sample, 0))
 
     @cached_property
     def motions(self) -> Sequence[GroundMotion | MotionPair]:
@@ -423,40 +283,59 @@ class Levels:
         return motion_levels(self.study.factors.motion)
 
 
+LATER_KEYS = ("state", "axial", "axial_factor")  # which are no part of ids while they are unstated
 RUN_BYTES = 8  # of the id of a run: ten million runs have a collision once in 400 000 studies
 
 
 def _digest(*parts: Any) -> bytes:
     """Return a digest of numbers, texts and arrays, equal on all machines."""
-    found = hashlib.sha256()
+    digest = hashlib.sha256()
     for part in parts:
         if isinstance(part, bytes):
             raw = part
         elif isinstance(part, Strict):
-            raw = json.dumps(part.model_dump(), sort_keys=True).encode()
+            raw = json.dumps(_without_later_keys(part.model_dump()), sort_keys=True).encode()
         elif hasattr(part, "tobytes"):
             raw = part.astype("<f8").tobytes()
         else:
             raw = json.dumps(part, sort_keys=True).encode()
-        found.update(len(raw).to_bytes(8, "little") + raw)
-    return found.digest()
+        # The length keeps parts apart: "ab" and "c" differ from "a" and "bc".
+        digest.update(len(raw).to_bytes(8, "little") + raw)
+    return digest.digest()
+
+
+def _without_later_keys(table: Any) -> Any:
+    """Return a table without the keys of later versions that it does not state: ids stay."""
+    if isinstance(table, dict):
+        return {
+            key: _without_later_keys(value)
+            for key, value in table.items()
+            if value is not None or key not in LATER_KEYS
+        }
+    return [_without_later_keys(item) for item in table] if isinstance(table, list) else table
 
 
 def _shared_digest(study: Study) -> bytes:
     """Return a digest of the case without factors and texts, and of the weather."""
-    table = study.case.model_dump(
-        exclude={"structure", "bearings", "motions", "ambient", "weather", "sources", "rig"}
-    )
+    # Limits of checks and of the rig change no result.
+    apart = {"structure", "bearings", "motions", "ambient", "weather", "sources", "rig", "limits"}
+    table = study.case.model_dump(exclude=apart)
     for key in ("keep", "keep_every"):
         table["analysis"].pop(key)
     weather = study.factors.ambient.read_weather()
     hourly = [] if weather is None else [weather.temperature, weather.recurs]
-    return _digest(_digest(table), *hourly, study.factors.ambient.history)
+    return _digest(_digest(_without_later_keys(table)), *hourly, study.factors.ambient.history)
 
 
 def _samples(motion: GroundMotion | MotionPair) -> Floats:
     """Return the accelerations of a motion, of a pair in both directions of the structure."""
     return motion.rotated() if isinstance(motion, MotionPair) else motion.acceleration
+
+
+def _vertical_samples(study: Study, motion: Motion) -> list[Floats]:
+    """Return the accelerations of the vertical record of a motion, where it acts."""
+    record = motion.load_vertical() if study.case.analysis.axial == "vertical" else None
+    return [] if record is None else [record.acceleration]
 
 
 def _run_ids(
@@ -466,27 +345,34 @@ def _run_ids(
     shared = _shared_digest(study)
     pairs = zip(levels.motions, levels.listed, strict=True)
     parts = {
-        "structure": [_digest(one) for one in study.factors.structure.levels],
-        "bearing": [_digest(one) for one in levels.bearings],
-        "motion": [_digest(one.dt, _samples(one), level.factor) for one, level in pairs],
+        "structure": [_digest(structure) for structure in study.factors.structure.levels],
+        "bearing": [_digest(bearing) for bearing in levels.bearings],
+        "motion": [
+            _digest(motion.dt, _samples(motion), level.factor, *_vertical_samples(study, level))
+            for motion, level in pairs
+        ],
     }
-    counts = [len(parts[name]) for name in THINGS]
-    combined = np.ravel_multi_index(tuple(places[name] for name in THINGS), counts)
+    counts = [len(parts[name]) for name in NAMED_FACTORS]
+    combined = np.ravel_multi_index(tuple(places[name] for name in NAMED_FACTORS), counts)
     names = sorted(numbers)
     values = np.column_stack([numbers[name] for name in names])
     without = np.isnan(values)
     ids = np.empty(len(values), dtype=object)
+    # Runs that lack the same numbers are done together. What runs of one structure, bearing and
+    # motion have in common is hashed once, and then with the numbers of each run.
     for gaps in np.unique(without, axis=0):
         rows = np.flatnonzero((without == gaps).all(axis=1))
-        known = [name for name, gap in zip(names, gaps, strict=True) if not gap]
-        different, of_row = np.unique(combined[rows], return_inverse=True)
+        present_names = [name for name, gap in zip(names, gaps, strict=True) if not gap]
+        combinations, head_of_row = np.unique(combined[rows], return_inverse=True)
         heads = []
-        for here in zip(*np.unravel_index(different, counts), strict=True):
-            things = [parts[name][place] for name, place in zip(THINGS, here, strict=True)]
-            heads.append(_digest(shared, *things, known))
-        own = values[rows][:, ~gaps].astype("<f8")
-        raw, width = own.tobytes(), 8 * own.shape[1]
-        for row, head in enumerate(of_row.tolist()):
+        for indices in zip(*np.unravel_index(combinations, counts), strict=True):
+            digests = [
+                parts[name][place] for name, place in zip(NAMED_FACTORS, indices, strict=True)
+            ]
+            heads.append(_digest(shared, *digests, present_names))
+        present_values = values[rows][:, ~gaps].astype("<f8")
+        raw, width = present_values.tobytes(), 8 * present_values.shape[1]
+        for row, head in enumerate(head_of_row.tolist()):
             content = heads[head] + raw[row * width : (row + 1) * width]
             ids[rows[row]] = hashlib.blake2b(content, digest_size=RUN_BYTES).hexdigest()
     return [str(text) for text in ids]
@@ -506,34 +392,73 @@ class Draws:
     matrix: list[str] | None = None  # [rows] "A", "B" or "AB <factor>"; none in a plain arrangement
 
 
-def plan(study: Study) -> "pd.DataFrame":
-    """Return all runs of a study, one row each; equal studies have equal bits.
+class Plan:
+    """What a study varies and its runs, each found once; equal studies have equal bits.
 
-    The columns are `run` (from 0), `id` (16 hexadecimal digits: a digest of the input of the run,
-    whatever its place in the plan), `seed` (from it), `sample`, with Saltelli's arrangement
-    `matrix`, then a column for each factor: structure, bearing, motion, scale, ambient_degC, and
-    numbers by their dotted names. InputError for too many runs, samples that contradict the
-    factors, or drawn numbers outside their limits.
+    Another process gets it without the levels, which it reads, and without the runs.
     """
-    columns = list_columns(study)
-    picked, each, cells = _picked(study, columns)
-    frame = pd.DataFrame({"run": np.arange(cells * len(each[0].sample))})
-    frame["sample"] = np.tile(each[0].sample, cells)
-    if each[0].matrix is not None:
-        frame["matrix"] = pd.Categorical(each[0].matrix * cells)
-    return _with_ids(study, columns, picked, frame)
 
+    def __init__(self, study: Study) -> None:
+        self.study = study
 
-def in_lockstep(study: Study) -> bool:
-    """Return whether runs are computed in lockstep, where all must share thermal properties."""
-    case, wanted = study.case, study.design.lockstep
-    alone = case.analysis.method == "predictor-corrector" or study.keep.histories == "all"
-    if alone or wanted is False or any(moves_warmth(target) for target in list_targets(study)):
-        return False
-    columns = list_columns(study)
-    drawn = [column for column in columns if column.drawn]
-    cells = math.prod(len(column.levels) for column in columns if not column.drawn)
-    return wanted is True or cells * _rows(study.design, drawn) >= MANY
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key not in ("levels", "runs")}
+
+    @cached_property
+    def targets(self) -> list[Target]:
+        """The numbers that vary by dotted name."""
+        levels, numbers = _levels_by_part(self.study), self.study.factors.numbers
+        return [find_target(name, factor.of, levels) for name, factor in numbers.items()]
+
+    @cached_property
+    def columns(self) -> list[Column]:
+        """The factors: names, then numbers, those with dotted names last."""
+        return _list_columns(self.study, self.targets)
+
+    @cached_property
+    def levels(self) -> Levels:
+        """The bearings and motions of the levels."""
+        return Levels(self.study)
+
+    @cached_property
+    def varies_rest_temperature(self) -> bool:
+        """Whether a varied number changes the temperature of a bearing at rest."""
+        return any(map(affects_rest_temperature, self.targets))
+
+    @cached_property
+    def lockstep(self) -> bool:
+        """Whether runs are computed in lockstep, where all must share thermal properties."""
+        case, requested = self.study.case, self.study.design.lockstep
+        histories = self.study.keep.histories
+        if case.analysis.has_axial and requested is True:
+            raise InputError(
+                f'design.lockstep: runs in lockstep have no axial = "{case.analysis.axial}"; omit '
+                "it, so that runs are computed one by one"
+            )
+        unsupported = case.analysis.method == "predictor-corrector" or histories == "all"
+        unsupported = unsupported or case.analysis.has_axial
+        if unsupported or requested is False or self.varies_rest_temperature:
+            return False
+        drawn = [column for column in self.columns if column.drawn]
+        cells = math.prod(len(column.levels) for column in self.columns if not column.drawn)
+        return requested is True or cells * _rows(self.study.design, drawn) >= MANY
+
+    @cached_property
+    def runs(self) -> "pd.DataFrame":
+        """All runs, one row each.
+
+        The columns are `run` (from 0), `id` (16 hexadecimal digits: a digest of the input of the
+        run, whatever its place in the plan), `seed` (from it), `sample`, with Saltelli's
+        arrangement `matrix`, then a column for each factor: structure, bearing, motion, scale,
+        ambient_degC, and numbers by their dotted names. InputError for too many runs, samples that
+        contradict the factors, or drawn numbers outside their limits.
+        """
+        picked, draws, cells = _picked(self.study, self.columns)
+        frame = pd.DataFrame({"run": np.arange(cells * len(draws[0].sample))})
+        frame["sample"] = np.tile(draws[0].sample, cells)
+        if draws[0].matrix is not None:
+            frame["matrix"] = pd.Categorical(draws[0].matrix * cells)
+        return _with_ids(self, picked, frame)
 
 
 def _rows(design: Design, drawn: Sequence[Column]) -> int:
@@ -546,9 +471,9 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
     drawn = [column for column in columns if column.drawn]
     cells = math.prod(len(column.levels) for column in crossed)
     _refuse(study.design, cells, drawn)
-    own = 1 if study.design.paired else cells
-    each = [_draws(study.design, drawn, cell) for cell in range(own)]
-    rows = len(each[0].sample)
+    draw_count = 1 if study.design.paired else cells
+    draws = [_draws(study.design, drawn, cell) for cell in range(draw_count)]
+    rows = len(draws[0].sample)
     places = np.array(
         list(product(*(range(len(column.levels)) for column in crossed))), dtype=np.int64
     )
@@ -556,9 +481,9 @@ def _picked(study: Study, columns: Sequence[Column]) -> tuple[dict[str, Any], li
     for number, column in enumerate(crossed):
         picked[column.name] = column._values_at(np.repeat(places[:, number], rows))
     for number, column in enumerate(drawn):
-        found = [column._at(draws.values[:, number]) for draws in each]
-        picked[column.name] = np.tile(np.concatenate(found), cells // own)
-    return picked, each, cells
+        values = [column._at(cell_draws.values[:, number]) for cell_draws in draws]
+        picked[column.name] = np.tile(np.concatenate(values), cells // draw_count)
+    return picked, draws, cells
 
 
 def _refuse(design: Design, cells: int, drawn: Sequence[Column]) -> None:
@@ -587,8 +512,8 @@ def _draws(design: Design, drawn: Sequence[Column], cell: int) -> Draws:
     if design.arrangement == "plain":
         return Draws(_points(design.kind, width, samples, rng), number)
     # A and B are halves of points in twice the dimensions: independent and each space-filling.
-    both = _points(design.kind, 2 * width, samples, rng)
-    first, second = both[:, :width], both[:, width:]
+    points = _points(design.kind, 2 * width, samples, rng)
+    first, second = points[:, :width], points[:, width:]
     blocks, names = [first, second], [A] * samples + [B] * samples
     for k, column in enumerate(drawn):
         swapped = first.copy()
@@ -608,58 +533,63 @@ def _points(kind: str, width: int, samples: int, rng: np.random.Generator) -> Fl
 
     if kind == "latin-hypercube":
         return np.asarray(qmc.LatinHypercube(width, rng=rng).random(samples), dtype=np.float64)
-    made = qmc.Sobol(width, scramble=True, rng=rng)
-    return np.asarray(made.random_base2(samples.bit_length() - 1), dtype=np.float64)
+    sampler = qmc.Sobol(width, scramble=True, rng=rng)
+    return np.asarray(sampler.random_base2(samples.bit_length() - 1), dtype=np.float64)
 
 
-def _settled(study: Study, levels: Levels, picked: dict[str, Any]) -> dict[str, Any]:
+def _settled(plan: Plan, picked: dict[str, Any]) -> dict[str, Any]:
     """Return the picked values, with samples and hours for shares, NaN for missing numbers."""
-    found = dict(picked)
-    if SAMPLE in found:
-        counts = levels._counts[found["bearing"]]
-        found[SAMPLE] = np.where(counts > 0, (found[SAMPLE] * counts).astype(np.int64), -1)
+    study, values = plan.study, dict(picked)
+    if SAMPLE in values:
+        counts = plan.levels._counts[values["bearing"]]
+        values[SAMPLE] = np.where(counts > 0, (values[SAMPLE] * counts).astype(np.int64), -1)
     weather = study.factors.ambient.read_weather()
     if weather is not None:
         history = study.factors.ambient.history or 0.0
-        found[HOUR] = weather.hours_at(found[HOUR], history)
-        found[AMBIENT] = weather.temperature[found[HOUR]]
-    for target in list_targets(study):
-        if target.part in found:
-            known = np.array([path is not None for path in target.paths])
-            found[target.name] = np.where(known[found[target.part]], found[target.name], np.nan)
-    return found
+        values[HOUR] = weather.hours_at(values[HOUR], history)
+        values[AMBIENT] = weather.temperature[values[HOUR]]
+    for target in plan.targets:
+        if target.part in values:
+            has_number = np.array([path is not None for path in target.paths])
+            values[target.name] = np.where(
+                has_number[values[target.part]], values[target.name], np.nan
+            )
+    return values
 
 
-def _with_ids(
-    study: Study, columns: Sequence[Column], picked: dict[str, Any], frame: "pd.DataFrame"
-) -> "pd.DataFrame":
-    """Return the plan with ids and seeds of runs, and its columns."""
-    levels, scale = Levels(study), study.factors.scale
-    found = _settled(study, levels, picked)
+def _with_ids(plan: Plan, picked: dict[str, Any], frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Return the rows with ids and seeds of runs, and a column for each factor."""
+    study, levels, scale = plan.study, plan.levels, plan.study.factors.scale
+    values_by_column = _settled(plan, picked)
     pairs = zip(levels.motions, levels.listed, strict=True)
-    strengths = np.array([one.factor * intensity(motion, scale) for motion, one in pairs])
-    strength = strengths[found["motion"]]
-    given = scale.of == "intensity"  # exactly as given, so that stripes are complete
-    intensities = found["scale"] if given else found["scale"] * strength
-    if given:
-        found["scale"] = intensities / strength
-    _check_numbers(study, {name: found[name] for name in found if name not in THINGS})
-    none = np.full(len(frame), -1, dtype=np.int64)
-    places = {name: found[name] for name in THINGS}
-    places["bearing"] = levels.place(places["bearing"], found.get(SAMPLE, none))
-    of = {name: one.of for name, one in study.factors.numbers.items()}
-    numbers = {name: found[name] for name in ("scale", AMBIENT if HOUR not in found else HOUR)}
-    numbers |= {f"{'.'.join(spelled(name))} {of[name]}": found[name] for name in of}
+    strengths = np.array([level.factor * intensity(motion, scale) for motion, level in pairs])
+    strength = strengths[values_by_column["motion"]]
+    is_intensity = scale.of == "intensity"  # exactly as given, so that stripes are complete
+    if is_intensity:
+        intensities = values_by_column["scale"]
+        values_by_column["scale"] = intensities / strength
+    else:
+        intensities = values_by_column["scale"] * strength
+    drawn = {name: v for name, v in values_by_column.items() if name not in NAMED_FACTORS}
+    _check_numbers(plan, drawn)
+    no_sample = np.full(len(frame), -1, dtype=np.int64)
+    places = {name: values_by_column[name] for name in NAMED_FACTORS}
+    places["bearing"] = levels.place(places["bearing"], values_by_column.get(SAMPLE, no_sample))
+    effects = {name: factor.of for name, factor in study.factors.numbers.items()}
+    surroundings = HOUR if HOUR in values_by_column else AMBIENT
+    numbers = {name: values_by_column[name] for name in ("scale", surroundings)}
+    for name, effect in effects.items():
+        numbers[f"{'.'.join(spelled(name))} {effect}"] = values_by_column[name]
     ids = _run_ids(study, levels, places, numbers)
     frame.insert(1, "id", ids)
     frame.insert(2, "seed", [int(text, 16) >> SPARE for text in ids])
-    for column in columns:
-        values = found[column.name]
-        if column.name in THINGS:
+    for column in plan.columns:
+        values = values_by_column[column.name]
+        if column.name in NAMED_FACTORS:
             values = pd.Categorical.from_codes(values, categories=pd.Index(column.levels))
         frame[column.name] = values
         if column.name == "scale":
             frame[COLUMNS[scale.measure]] = intensities
         if column.name == HOUR:
-            frame[AMBIENT] = found[AMBIENT]
+            frame[AMBIENT] = values_by_column[AMBIENT]
     return frame

@@ -27,6 +27,7 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import data_path
+from thermobearing.border.opener import LARGEST_STORE, opened
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compiled.sources import cache_directory
 from thermobearing.earthquake.motions import Motion, motion_table
@@ -38,16 +39,26 @@ from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import check_record, make_motion, match_spectrum
 from thermobearing.motions.targets import STANDARD_NAMES, DesignSpectrum, find_kind, load_spectrum
 from thermobearing.studies.definition.record import MotionFactor, Study
-from thermobearing.studies.run.processes import call_on_processes, go_on
+from thermobearing.studies.run.processes import call_on_processes, raise_if_stopped
 
 SEED, STEP = 1, 0.01  # defaults; [s]
 PHASES = "jra-ii-i"  # default for a spectrum from a file
 Progress = Callable[[int, int], None]
-MADE = "motions.npz"  # of the directory of a study
+MOTIONS_FILE = "motions.npz"  # of the directory of a study
 CACHE = "motions"  # folder next to the machine code
 # Errors of numpy, zipfile and zlib for a file with a changed bit.
-DAMAGED: tuple[type[Exception], ...] = (OSError, ValueError, KeyError, TypeError, EOFError)
-DAMAGED += (RuntimeError, OverflowError, zipfile.BadZipFile, zlib.error, struct.error)
+DAMAGED: tuple[type[Exception], ...] = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    RuntimeError,
+    OverflowError,
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+)
 ABOUT = "about"  # entry of a file with its texts and numbers, as JSON
 TEXTS = ("name", "description", "citation")
 STAND_IN = f"{PHASES}-1"  # built-in motion in place of one that does not exist yet
@@ -90,36 +101,36 @@ def _recipes(factor: MotionFactor) -> list[Recipe]:
     assert factor.matched is not None
     spectrum = load_spectrum(factor.matched, factor.zone_factor or 1.0)
     if factor.levels is None:
-        named = spectrum.name if spectrum.name in STANDARD_NAMES else PHASES
-        phases = find_kind(factor.phases or named)
+        phase_name = spectrum.name if spectrum.name in STANDARD_NAMES else PHASES
+        phases = find_kind(factor.phases or phase_name)
         first = SEED if factor.seed is None else factor.seed
         return [
             Recipe(name, spectrum, phases, first + place, factor.dt or STEP)
             for place, name in enumerate(factor.names)
         ]
-    found: list[Recipe] = []
+    recipes: list[Recipe] = []
     faults: list[str] = []
     for name, level in zip(factor.names, factor.levels, strict=True):
         try:
             record = level.load()
             record = record if factor.dt is None else resampled(record, factor.dt)
             check_record(record)
-            found.append(Recipe(name, spectrum, record=record))
+            recipes.append(Recipe(name, spectrum, record=record))
         except InputError as error:
             faults += error.lines()
     if faults:
         raise InputError(faults)
-    return found
+    return recipes
 
 
 @cache
 def _sources() -> str:
     """Return a digest of the code that matches motions, and of its libraries."""
-    found = hashlib.sha256(f"numpy {version('numpy')} scipy {version('scipy')}".encode())
+    digest = hashlib.sha256(f"numpy {version('numpy')} scipy {version('scipy')}".encode())
     folder = Path(targets.__file__).parent
     for path in [*sorted(folder.glob("*.py")), data_path("phases", "near-fault.toml")]:
-        found.update(path.read_bytes())
-    return found.hexdigest()[:16]
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _cache_file(recipe: Recipe) -> Path | None:
@@ -129,30 +140,35 @@ def _cache_file(recipe: Recipe) -> Path | None:
 
 def _cached(recipe: Recipe) -> GroundMotion | None:
     file = _cache_file(recipe)
-    return None if file is None else _read_made(file).get(recipe.key)
+    return None if file is None else _read_motions(file).get(recipe.key)
 
 
-def _made_bytes(made: Mapping[str, GroundMotion]) -> bytes:
-    about = {
-        key: {"dt": one.dt, **{name: getattr(one, name) for name in TEXTS}}
-        for key, one in made.items()
+def _motions_bytes(motions: Mapping[str, GroundMotion]) -> bytes:
+    attributes = {
+        key: {"dt": motion.dt, **{name: getattr(motion, name) for name in TEXTS}}
+        for key, motion in motions.items()
     }
-    arrays: dict[str, Any] = {key: one.acceleration for key, one in made.items()}
-    arrays[ABOUT] = np.array(json.dumps(about))
+    arrays: dict[str, Any] = {key: motion.acceleration for key, motion in motions.items()}
+    arrays[ABOUT] = np.array(json.dumps(attributes))
     stream = io.BytesIO()
     np.savez(stream, **arrays)
     return stream.getvalue()
 
 
-def _read_made(path: Path) -> dict[str, GroundMotion]:
+def _read_motions(path: Path) -> dict[str, GroundMotion]:
     """Return the motions of a file by key of their recipe; none if it is damaged or missing."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
-            found = {}
-            for key, about in json.loads(str(stored[ABOUT])).items():
-                words = {name: str(about[name]) for name in TEXTS}
-                found[key] = GroundMotion(dt=float(about["dt"]), acceleration=stored[key], **words)
-            return found
+        with (
+            opened(path, LARGEST_STORE) as file,
+            np.load(file, allow_pickle=False) as stored,
+        ):
+            motions = {}
+            for key, attributes in json.loads(str(stored[ABOUT])).items():
+                words: dict[str, Any] = {name: str(attributes[name]) for name in TEXTS}
+                motions[key] = GroundMotion(
+                    dt=float(attributes["dt"]), acceleration=stored[key], **words
+                )
+            return motions
     except DAMAGED:
         return {}
 
@@ -160,27 +176,29 @@ def _read_made(path: Path) -> dict[str, GroundMotion]:
 def motions_to_be(factor: MotionFactor) -> list[GroundMotion]:
     """Return a motion of zeros for each matched motion, with its time step."""
     try:
-        steps = [recipe.record or recipe for recipe in _recipes(factor)]
+        sources = [recipe.record or recipe for recipe in _recipes(factor)]
     except InputError as error:
         raise InputError(error.lines("factors.motion")) from None
-    return [GroundMotion("to be made", one.dt, np.zeros(2)) for one in steps]
+    return [GroundMotion("to be made", source.dt, np.zeros(2)) for source in sources]
 
 
 def factor_motions(factor: MotionFactor) -> list[GroundMotion]:
     """Return the motions of the levels along the bridge, not scaled; matched here if need be."""
     if factor.matched is None:
         return [motion.load() for motion in factor.levels or ()]
-    return list(factor.matched_motions() or factor.matched_motions(_made(factor, {}, 1, None)))
+    if not factor.matched_motions():
+        factor.matched_motions(_matched_motions(factor, {}, 1, None))
+    return list(factor.matched_motions())
 
 
 def motion_levels(factor: MotionFactor) -> list[Motion]:
     """Return the motions as a case has them; a matched one contains its samples."""
     if factor.matched is None:
         return list(factor.levels or ())
-    factors = [one.factor for one in factor.levels] if factor.levels else [1.0] * len(factor.names)
+    scales = [level.factor for level in factor.levels or ()] or [1.0] * len(factor.names)
     return [
-        Motion(**(motion_table(motion) | {"factor": own, "label": motion.name}))
-        for motion, own in zip(factor_motions(factor), factors, strict=True)
+        Motion(**(motion_table(motion) | {"factor": scale, "label": motion.name}))
+        for motion, scale in zip(factor_motions(factor), scales, strict=True)
     ]
 
 
@@ -194,28 +212,28 @@ def with_matched(
     factor = study.factors.motion
     if factor.matched is None:
         return study
-    known = _known(factor)
+    stored = _motions_by_key(factor)
     if directory is not None:
-        known |= _read_made(directory / MADE)
-    return _with(study, _made(factor, known, jobs or os.cpu_count() or 1, progress))
+        stored |= _read_motions(directory / MOTIONS_FILE)
+    return _with(study, _matched_motions(factor, stored, jobs or os.cpu_count() or 1, progress))
 
 
 def with_kept(study: Study, directory: Path) -> Study:
     """Return a study with the motions of its directory, if it has all of them."""
-    kept = _read_made(directory / MADE)
-    wanted = _recipes(study.factors.motion) if kept and study.factors.motion.matched else []
-    if not wanted or any(recipe.key not in kept for recipe in wanted):
+    stored = _read_motions(directory / MOTIONS_FILE)
+    required = _recipes(study.factors.motion) if stored and study.factors.motion.matched else []
+    if not required or any(recipe.key not in stored for recipe in required):
         return study
-    return _with(study, [replace(kept[recipe.key], name=recipe.name) for recipe in wanted])
+    return _with(study, [replace(stored[recipe.key], name=recipe.name) for recipe in required])
 
 
-def with_stand_ins(study: Study, one: GroundMotion | None = None) -> Study:
+def with_stand_ins(study: Study, motion: GroundMotion | None = None) -> Study:
     """Return a study that has one motion in place of all missing ones, to count and time runs."""
     factor = study.factors.motion
     if factor.matched is None or factor.matched_motions():
         return study
-    one = one or load_motion(STAND_IN)
-    return _with(study, [replace(one, name=name) for name in factor.names])
+    motion = motion or load_motion(STAND_IN)
+    return _with(study, [replace(motion, name=name) for name in factor.names])
 
 
 def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]:
@@ -223,8 +241,12 @@ def missing_motions(study: Study, directory: Path | None = None) -> list[Recipe]
     factor = study.factors.motion
     if factor.matched is None or factor.matched_motions():
         return []
-    kept = {} if directory is None else _read_made(directory / MADE)
-    return [one for one in _recipes(factor) if one.key not in kept and _cached(one) is None]
+    stored = {} if directory is None else _read_motions(directory / MOTIONS_FILE)
+    return [
+        recipe
+        for recipe in _recipes(factor)
+        if recipe.key not in stored and _cached(recipe) is None
+    ]
 
 
 def with_first_motion(study: Study) -> tuple[Study, int, float]:
@@ -233,9 +255,9 @@ def with_first_motion(study: Study) -> tuple[Study, int, float]:
     if not missing:
         return with_matched(study, jobs=1), 0, 0.0
     begin = time.perf_counter()
-    (motion,) = _made(study.factors.motion, {}, 1, None, missing[:1])
-    took = time.perf_counter() - begin
-    return with_stand_ins(study, motion), len(missing_motions(study)), took
+    (motion,) = _matched_motions(study.factors.motion, {}, 1, None, missing[:1])
+    seconds = time.perf_counter() - begin
+    return with_stand_ins(study, motion), len(missing_motions(study)), seconds
 
 
 def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
@@ -245,57 +267,65 @@ def _with(study: Study, motions: Sequence[GroundMotion]) -> Study:
     return study.model_copy(update={"factors": factors})
 
 
-def _made(
+def _matched_motions(
     factor: MotionFactor,
-    kept: Mapping[str, GroundMotion],
+    available: Mapping[str, GroundMotion],
     jobs: int,
     progress: Progress | None,
     recipes: Sequence[Recipe] | None = None,
 ) -> list[GroundMotion]:
     """Return the motion of each recipe; InputError names those whose misfit is too large."""
-    wanted = _recipes(factor) if recipes is None else recipes
-    found = {one.key: motion for one in wanted if (motion := kept.get(one.key) or _cached(one))}
-    missing = list({one.key: one for one in wanted if one.key not in found}.values())
-    done = len(wanted) - len(missing)
+    required = _recipes(factor) if recipes is None else recipes
+    motions: dict[str, GroundMotion] = {}
+    missing_recipes: dict[str, Recipe] = {}  # by key: levels of one recipe share its motion
+    for recipe in required:
+        stored = available.get(recipe.key) or _cached(recipe)
+        if stored is None:
+            missing_recipes[recipe.key] = recipe
+        else:
+            motions[recipe.key] = stored
+    missing = list(missing_recipes.values())
+    completed = len(required) - len(missing)
     if progress and missing:
-        progress(done, len(wanted))
+        progress(completed, len(required))
     for recipe, motion in call_on_processes(_make, None, missing, min(jobs, len(missing))):
-        found[recipe.key], done = motion, done + 1
+        motions[recipe.key], completed = motion, completed + 1
         file = _cache_file(recipe)
-        with suppress(OSError):
+        with suppress(OSError):  # without a cache the motion is matched again next time
             if file is not None:
                 file.parent.mkdir(parents=True, exist_ok=True)
-                write_whole(file, _made_bytes({recipe.key: motion}))
+                write_whole(file, _motions_bytes({recipe.key: motion}))
         if progress:
-            progress(done, len(wanted))
-    most = LARGEST_MISFIT if factor.tolerance is None else factor.tolerance
-    poor = [
-        f"factors.motion: {one.name} has an rms misfit of {100 * error:.1f} % from "
-        f"{one.spectrum.words}, more than {100 * most:g} %; use "
-        + ("another record" if one.record is not None else "another seed")
-        + f", or set tolerance = {np.ceil(100 * error) / 100:g}"
-        for one in wanted
-        if (error := misfit(found[one.key], one.spectrum.at)) > most
-    ]
+            progress(completed, len(required))
+    tolerance = LARGEST_MISFIT if factor.tolerance is None else factor.tolerance
+    poor = []
+    for recipe in required:
+        error = misfit(motions[recipe.key], recipe.spectrum.at)
+        if error > tolerance:
+            replacement = "another seed" if recipe.record is None else "another record"
+            poor.append(
+                f"factors.motion: {recipe.name} has an rms misfit of {100 * error:.1f} % from "
+                f"{recipe.spectrum.words}, more than {100 * tolerance:g} %; use {replacement}, "
+                f"or set tolerance = {np.ceil(100 * error) / 100:g}"
+            )
+    if len(poor) > NAMED:
+        poor = [*poor[:NAMED], f"and {len(poor) - NAMED} more of them"]
     if poor:
-        more = len(poor) - NAMED
-        raise InputError([*poor[:NAMED], *([f"and {more} more of them"] if more > 0 else [])])
-    return [replace(found[one.key], name=one.name) for one in wanted]
+        raise InputError(poor)
+    return [replace(motions[recipe.key], name=recipe.name) for recipe in required]
 
 
 def _make(_: None, recipe: Recipe) -> GroundMotion:
-    return recipe.make(progress=go_on)
+    return recipe.make(progress=raise_if_stopped)
 
 
-def _known(factor: MotionFactor) -> dict[str, GroundMotion]:
-    made = factor.matched_motions()
-    return (
-        {one.key: motion for one, motion in zip(_recipes(factor), made, strict=True)}
-        if made
-        else {}
-    )
+def _motions_by_key(factor: MotionFactor) -> dict[str, GroundMotion]:
+    motions = factor.matched_motions()
+    if not motions:
+        return {}
+    return {recipe.key: motion for recipe, motion in zip(_recipes(factor), motions, strict=True)}
 
 
 def matched_motions_bytes(study: Study) -> bytes:
     """Return the file of matched motions of the directory of a study."""
-    return _made_bytes(_known(study.factors.motion))
+    return _motions_bytes(_motions_by_key(study.factors.motion))

@@ -26,7 +26,7 @@ from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.motions import Motion, pair_notes
 from thermobearing.motions.pair import MotionPair, pair_direction, rotation_measures
-from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.record import GroundMotion, parse_acceleration
 from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, rotated_spectrum
 from thermobearing.motions.synthesis import LARGEST_SEED
 from thermobearing.results.sums import product_in_order
@@ -35,7 +35,7 @@ from thermobearing.structure.model import Structure
 Kind = Literal["normal", "lognormal", "uniform", "triangular"]
 Number = float | str | None  # text where the factor has a unit
 # Parameters of each distribution; `low` and `high` can also truncate the first two.
-WAYS: dict[str, tuple[tuple[str, ...], ...]] = {
+PARAMETERS: dict[str, tuple[tuple[str, ...], ...]] = {
     "normal": (("mean", "sd"), ("mean", "cov")),
     "lognormal": (("median", "cov"), ("median", "log_sd"), ("mean", "cov")),
     "uniform": (("low", "high"),),
@@ -45,7 +45,6 @@ TRUNCATED = ("normal", "lognormal")  # can be truncated
 PURE = ("cov", "log_sd")  # dimensionless for every number
 ACCELERATION = "m/s^2"
 MM_PER_M = 1000.0
-NUMBER = re.compile(r"^(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(?P<unit>\D.*)?$")
 RARE = 1e-6  # probability of the extremes that are checked
 
 
@@ -101,14 +100,11 @@ def parse_number(value: float | str, unit: str | None) -> float:
         raise InputError(f'{value!r} has no unit; write "{value} {unit}" if that is meant')
     if unit != ACCELERATION:
         return parse_quantity(value, unit)
-    number = NUMBER.match(value.strip())
-    if number is None or not number["unit"]:
-        raise InputError(f'"{value}": give a number with its unit, such as "2 m/s2"')
-    return float(number["number"]) * acceleration_unit(number["unit"]) / MM_PER_M
+    return parse_acceleration(value) / MM_PER_M
 
 
 class Drawn(Strict):
-    """Keys of a number with a distribution; see `WAYS`."""
+    """Keys of a number with a distribution; see `PARAMETERS`."""
 
     distribution: Kind | None = None
     mean: Number = None
@@ -124,23 +120,29 @@ class Drawn(Strict):
         """Return the distribution of a number in `unit`; errors name `key`."""
         kind = self.distribution
         assert kind is not None
-        given = {name: getattr(self, name) for name in Drawn.model_fields if name != "distribution"}
-        given = {name: value for name, value in given.items() if value is not None}
+        parameters = {
+            name: getattr(self, name) for name in Drawn.model_fields if name != "distribution"
+        }
+        parameters = {name: value for name, value in parameters.items() if value is not None}
         ends = {"low", "high"} if kind in TRUNCATED else set()
-        if not any(set(way) == set(given) - ends for way in WAYS[kind]):
-            takes = " or ".join(" and ".join(way) for way in WAYS[kind])
-            more = ", optionally with low and high" if ends else ""
-            got = ", ".join(given) or "nothing"
-            raise InputError(f"{key}: a {kind} distribution takes {takes}{more}; got {got}")
-        if unit == "degC" and (kind == "lognormal" or "cov" in given):
+        if not any(set(required) == set(parameters) - ends for required in PARAMETERS[kind]):
+            choices = " or ".join(" and ".join(required) for required in PARAMETERS[kind])
+            option = ", optionally with low and high" if ends else ""
+            names = ", ".join(parameters) or "nothing"
+            raise InputError(f"{key}: a {kind} distribution takes {choices}{option}; got {names}")
+        if unit == "degC" and (kind == "lognormal" or "cov" in parameters):
             raise InputError(
                 f"{key}: a temperature must be normal with mean and sd, uniform or triangular"
             )
         numbers, faults = {}, []
-        for name, value in given.items():
-            own = None if name in PURE else "K" if (name, unit) == ("sd", "degC") else unit
+        for name, value in parameters.items():
+            parameter_unit = unit
+            if name in PURE:
+                parameter_unit = None
+            elif name == "sd" and unit == "degC":
+                parameter_unit = "K"  # a difference of temperatures
             try:
-                numbers[name] = parse_number(value, own)
+                numbers[name] = parse_number(value, parameter_unit)
             except InputError as error:
                 faults += error.lines(f"{key}.{name}")
         if faults:
@@ -162,6 +164,8 @@ def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distributi
         if spread == 0.0:
             raise InputError(f"{key}: with a mean of 0 give sd instead of cov")
     elif kind == "lognormal":
+        # With cov, the variance of the logarithm is ln(1 + cov^2), and the median is that of the
+        # mean over sqrt(1 + cov^2).
         spread = numbers["log_sd"] if "log_sd" in numbers else math.sqrt(math.log1p(cov * cov))
         centre = numbers["median"] if "median" in numbers else numbers["mean"]
         if not centre > 0.0:
@@ -174,10 +178,10 @@ def _distribution(kind: Kind, numbers: dict[str, float], key: str) -> Distributi
         if not low <= mode <= high:
             raise InputError(f"{key}: mode = {mode:g} must be between low and high")
         return Distribution(kind, mode, 0.0, low, high)
-    made = Distribution(kind, centre, spread, low, high)
-    if not made._ends[1] - made._ends[0] > RARE:
+    distribution = Distribution(kind, centre, spread, low, high)
+    if not distribution._ends[1] - distribution._ends[0] > RARE:
         raise InputError(f"{key}: the distribution has almost no probability between low and high")
-    return made
+    return distribution
 
 
 MOST_LEVELS = 10_000
@@ -197,11 +201,11 @@ class Picked(Strict):
     weights: Weights | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
         faults = []
-        if "weights" in given and given.get("random") is not True:
+        if "weights" in values and values.get("random") is not True:
             faults.append("weights: only with random = true")
-        levels, weights = given.get("levels"), given.get("weights")
+        levels, weights = values.get("levels"), values.get("weights")
         if isinstance(levels, list) and isinstance(weights, list) and len(levels) != len(weights):
             faults.append(f"weights: {len(weights)} weights for {len(levels)} levels")
         return faults
@@ -230,6 +234,18 @@ class BearingFactor(Picked):
     ]
 
 
+def stated_laws(bearing: Any) -> list[str]:
+    """Return the laws of a user that a bearing names, each with the parameters that it states."""
+    laws = [getattr(bearing, name, None) for name in ("temperature_law", "hysteresis_law")]
+    return [
+        " ".join(
+            [law.law, *(f"{name} = {value}" for name, value in (law.parameters or {}).items())]
+        )
+        for law in laws
+        if law is not None and law.law is not None
+    ]
+
+
 class StructureFactor(Picked):
     """Structures."""
 
@@ -237,7 +253,7 @@ class StructureFactor(Picked):
 
 
 @dataclass(frozen=True, eq=False)
-class Made:
+class MatchedMotions:
     """Matched motions of a factor, compared by identity."""
 
     motions: tuple[GroundMotion, ...]
@@ -260,46 +276,46 @@ class MotionFactor(Picked):
     zone_factor: Annotated[float, Field(ge=0.01, le=2)] | None = None
     dt: Annotated[float, in_unit("s"), Field(ge=0.001, le=0.02)] | None = None
     tolerance: Annotated[float, Field(gt=0, le=1)] | None = None
-    _made: Made | None = PrivateAttr(default=None)
+    _motions: MatchedMotions | None = PrivateAttr(default=None)
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        faults = super()._conflicts(given)
-        count, weights = given.get("count"), given.get("weights")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        faults = super()._conflicts(values)
+        count, weights = values.get("count"), values.get("weights")
         if isinstance(count, int) and isinstance(weights, list) and len(weights) != count:
             faults.append(f"weights: {len(weights)} weights for {count} motions")
-        if "matched" not in given:
-            own = ("count", "seed", "phases", "zone_factor", "dt", "tolerance")
-            faults += [f"{key}: only with matched motions" for key in own if key in given]
-            if "levels" not in given:
+        if "matched" not in values:
+            matched_keys = ("count", "seed", "phases", "zone_factor", "dt", "tolerance")
+            faults += [f"{key}: only with matched motions" for key in matched_keys if key in values]
+            if "levels" not in values:
                 faults.append('missing key "levels"; or matched = "jra-ii-i" with count')
-        elif "levels" not in given and count is None:
+        elif "levels" not in values and count is None:
             faults.append("matched: give count, or levels (records whose phases are kept)")
-        elif "levels" in given:
+        elif "levels" in values:
             faults += [
                 f"{key}: only with random phases, not with levels"
                 for key in ("count", "seed", "phases")
-                if key in given
+                if key in values
             ]
         return faults
 
     @property
     def names(self) -> list[str]:
         """Names of the motions."""
-        own = [str(one.label or one.name) for one in self.levels or ()]
+        level_names = [str(level.label or level.name) for level in self.levels or ()]
         if self.matched is None:
-            return own
+            return level_names
         spectrum = Path(self.matched).stem
-        if own:
-            return [f"{name}-as-{spectrum.removeprefix('jra-')}" for name in own]
+        if level_names:
+            return [f"{name}-as-{spectrum.removeprefix('jra-')}" for name in level_names]
         first = 1 if self.seed is None else self.seed
         return [f"{spectrum}-{first + place}" for place in range(self.count or 0)]
 
     def matched_motions(self, new: Sequence[GroundMotion] = ()) -> tuple[GroundMotion, ...]:
         """Return the matched motions, none before they are computed; `new` ones are stored."""
         if new:
-            self._made = Made(tuple(new))
-        return self._made.motions if self._made else ()
+            self._motions = MatchedMotions(tuple(new))
+        return self._motions.motions if self._motions else ()
 
 
 YEARS = 50  # of generated weather, by default
@@ -319,11 +335,11 @@ class ScaleFactor(Drawn, Picked):
     damping: Annotated[float, Field(gt=0, lt=1)] | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        faults = super()._conflicts(given)
-        if (given.get("measure") == "Sa") != ("period" in given):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        faults = super()._conflicts(values)
+        if (values.get("measure") == "Sa") != ("period" in values):
             faults.append('period: required with measure = "Sa", and only with it')
-        if "damping" in given and given.get("measure") != "Sa":
+        if "damping" in values and values.get("measure") != "Sa":
             faults.append('damping: only with measure = "Sa"')
         return faults
 
@@ -358,16 +374,16 @@ class AmbientFactor(Drawn, Picked):
         return self._series
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        ways = [key for key in ("levels", "distribution", "weather", "climate") if key in given]
-        faults = super()._conflicts(given)
-        if len(ways) != 1:
-            got = f"; got {', '.join(ways)}" if ways else ""
-            faults.append(f"give one of levels, distribution, weather and climate{got}")
-        made_up = [key for key in ("years", "seed") if key in given]
-        if made_up and "climate" not in given:
-            faults.append(f"{made_up[0]}: only with a climate")
-        if "history" in given and not {"weather", "climate"} & set(given):
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        sources = [key for key in ("levels", "distribution", "weather", "climate") if key in values]
+        faults = super()._conflicts(values)
+        if len(sources) != 1:
+            listed = f"; got {', '.join(sources)}" if sources else ""
+            faults.append(f"give one of levels, distribution, weather and climate{listed}")
+        generator_keys = [key for key in ("years", "seed") if key in values]
+        if generator_keys and "climate" not in values:
+            faults.append(f"{generator_keys[0]}: only with a climate")
+        if "history" in values and not {"weather", "climate"} & set(values):
             faults.append("history: only with weather or a climate")
         return faults
 
@@ -393,30 +409,32 @@ COLUMNS = {"PGA": "PGA_m_s2", "PGV": "PGV_m_s", "Sa": "Sa_m_s2"}
 def _directional(pair: MotionPair, scale: ScaleFactor) -> Floats:
     """Return a measure of an unscaled pair [angle] along one axis: mm/s2 or mm/s."""
     if scale.measure == "Sa":
-        found = rotated_spectrum(
-            pair, np.array([scale.period]), scale.damping or DAMPING
-        ).acceleration
-        return np.asarray(found[:, 0])
-    both = np.array([[one.acceleration, one.velocity] for one in (pair.first, pair.second)])
-    turned = np.array([pair_direction(float(angle)) for angle in ANGLES])
-    along = product_in_order(turned, both[:, int(scale.measure == "PGV")])
-    return np.asarray(np.abs(along).max(axis=1))
+        period = np.array([scale.period])
+        spectrum = rotated_spectrum(pair, period, scale.damping or DAMPING)
+        return np.asarray(spectrum.acceleration[:, 0])
+    histories = np.array(
+        [[record.acceleration, record.velocity] for record in (pair.first, pair.second)]
+    )
+    directions = np.array([pair_direction(float(angle)) for angle in ANGLES])
+    # A sum in a fixed order, since ids of runs depend on the last bits.
+    components = product_in_order(directions, histories[:, int(scale.measure == "PGV")])
+    return np.asarray(np.abs(components).max(axis=1))
 
 
 def intensity(motion: GroundMotion | MotionPair, scale: ScaleFactor) -> float:
     """Return PGA, Sa [m/s2] or PGV [m/s] of an unscaled motion; of a pair their RotD50."""
     if isinstance(motion, MotionPair):
-        found = float(rotation_measures(_directional(motion, scale)).rotd50)
+        value = float(rotation_measures(_directional(motion, scale)).rotd50)
     elif scale.measure == "PGA":
-        found = motion.pga
+        value = motion.pga
     elif scale.measure == "PGV":
-        found = float(np.abs(motion.velocity).max())
+        value = float(np.abs(motion.velocity).max())
     else:
         period = np.array([scale.period])
-        found = float(response_spectrum(motion, period, scale.damping or DAMPING).acceleration[0])
-    if not found > 0.0:
+        value = float(response_spectrum(motion, period, scale.damping or DAMPING).acceleration[0])
+    if not value > 0.0:
         raise InputError(f'motion "{motion.name}" is zero and has no {scale.measure}')
-    return found / MM_PER_M
+    return value / MM_PER_M
 
 
 MOST_RUNS = 10_000_000
@@ -449,9 +467,11 @@ class Design(Strict):
     lockstep: bool | None = None
 
     @classmethod
-    def _conflicts(cls, given: dict[str, Any]) -> list[str]:
-        kind, samples = given.get("kind", "factorial"), given.get("samples")
+    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
+        kind, samples = values.get("kind", "factorial"), values.get("samples")
         faults = []
+        if isinstance(samples, float) and samples.is_integer():
+            samples = int(samples)  # "1e3" is a whole number too, as the schema reads it later
         if kind != "factorial" and samples is None:
             faults.append(f'missing key "samples": required with kind = "{kind}"')
         if kind == "sobol" and isinstance(samples, int) and samples > 0 and samples.bit_count() > 1:
@@ -459,7 +479,7 @@ class Design(Strict):
             faults.append(
                 f"samples = {samples}: must be a power of two for Sobol, {below} or {2 * below}"
             )
-        if kind == "factorial" and given.get("arrangement") == "saltelli":
+        if kind == "factorial" and values.get("arrangement") == "saltelli":
             faults.append(
                 'arrangement = "saltelli": needs kind = "sobol", "latin-hypercube" or "monte-carlo"'
             )
@@ -509,7 +529,9 @@ class Study(Strict):
     @property
     def pair_notes(self) -> list[str]:
         """Sentence on pairs of motions, of which only one component acts; empty in plan."""
-        motions = [one.model_dump(exclude_none=True) for one in self.factors.motion.levels or ()]
+        motions = [
+            level.model_dump(exclude_none=True) for level in self.factors.motion.levels or ()
+        ]
         return pair_notes(motions, plan=bool(self.factors.structure.levels[0].plan))
 
     def to_toml(self) -> str:

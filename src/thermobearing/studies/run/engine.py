@@ -23,8 +23,10 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
+from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.lazy import pd
+from thermobearing.border.opener import is_file
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
@@ -35,7 +37,7 @@ from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import check_target, locked
 from thermobearing.results.screen import print_facts, say, show_table
 from thermobearing.studies.definition.case import load_study, make_study
-from thermobearing.studies.definition.designs import list_columns, plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.motions import Progress, with_first_motion, with_matched
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer
@@ -114,9 +116,9 @@ class Status:
     def summary(self) -> dict[str, Any]:
         """Return the status as data."""
         names = ("name", "outcome", "runs", "done", "failed", "shards", "shards_done")
-        found = {name: getattr(self, name) for name in names}
-        found |= {} if self.effort is None else self.effort._asdict()
-        return found | {"failures": self.failures.to_dict("records")}
+        content = {name: getattr(self, name) for name in names}
+        content |= {} if self.effort is None else self.effort._asdict()
+        return content | {"failures": self.failures.to_dict("records")}
 
     def show(self, *, part: bool = False) -> None:
         """Print the progress and the failures; `part`: only a part was started."""
@@ -130,8 +132,8 @@ class Status:
         print_facts(f"{self.directory}: {self.name}, {self.outcome}", facts)
         if self.failed:
             show_table(failures_table(self.failures.drop(columns="sentence")))
-            for one in self.failures.to_dict("records"):
-                say(f"{one['outcome']}: {one['sentence']}")
+            for failure in self.failures.to_dict("records"):
+                say(f"{failure['outcome']}: {failure['sentence']}")
         if self.done < self.runs and not part:
             say("Run the same command again to resume the study.")
 
@@ -163,8 +165,8 @@ def _peak_memory() -> float | None:
     import resource
 
     unit = 1 if sys.platform == "darwin" else 1024  # [bytes]
-    everyone = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    return 1e-6 * unit * max(resource.getrusage(who).ru_maxrss for who in everyone)
+    processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    return 1e-6 * unit * max(resource.getrusage(process).ru_maxrss for process in processes)
 
 
 def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
@@ -221,41 +223,42 @@ class Forecast:
 
 def forecast(study: Study, jobs: int | None = None) -> Forecast:
     """Run a few analyses of a study, and extrapolate to all."""
-    study, motions, making = with_first_motion(study)
-    runs = plan(study)
-    some = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
-    preparer = Preparer(study)
-    preparer.foresee(some)
-    kept = study.keep.histories
-    compute_shard(preparer, some.head(1))  # compiles, and prepares what runs share
+    study, motions, motion_seconds = with_first_motion(study)
+    plan = Plan(study)
+    runs = plan.runs
+    sample = runs.iloc[np.unique(np.linspace(0, len(runs) - 1, TRIED).astype(int))]
+    preparer = Preparer(plan)
+    preparer.compute_temperatures(sample)
+    histories_kept = study.keep.histories
+    compute_shard(preparer, sample.head(1))  # compiles, and prepares what runs share
     begin = time.perf_counter()
-    done = compute_shard(preparer, some, histories=kept != "none")
-    took = (time.perf_counter() - begin) / len(some)
-    assert done is not None
-    each = [
+    shard = compute_shard(preparer, sample, histories=histories_kept != "none")
+    seconds = (time.perf_counter() - begin) / len(sample)
+    assert shard is not None
+    history_sizes = [
         sum(values.size for values in history.traces.values()) * HISTORY
-        for history in done.histories
+        for history in shard.histories
     ]
-    count = len(runs) if kept == "all" else study.keep.worst
-    columns = len(list_columns(study)) + len(RESULT_COLUMNS) + 4
-    histories = min(count, len(runs)) * (np.mean(each) if each else 0.0)
+    count = len(runs) if histories_kept == "all" else study.keep.worst
+    columns = len(plan.columns) + len(RESULT_COLUMNS) + 4  # run, id, seed and sample
+    histories = min(count, len(runs)) * (np.mean(history_sizes) if history_sizes else 0.0)
     return Forecast(
         runs=len(runs),
-        seconds=took,
+        seconds=seconds,
         jobs=jobs or os.cpu_count() or 1,
         size=float(len(runs) * columns * NUMBER + histories),
-        failed=int((done.table["outcome"] != COMPLETED).sum()),
-        tried=len(some),
+        failed=int((shard.table["outcome"] != COMPLETED).sum()),
+        tried=len(sample),
         motions=motions,
-        motion_seconds=making,
+        motion_seconds=motion_seconds,
     )
 
 
 def say_duration(seconds: float) -> str:
     """Return a duration in words: "42 s", "3 min 20 s", "11 h 6 min"."""
-    minutes, rest = divmod(round(seconds), 60)
+    minutes, remaining_seconds = divmod(round(seconds), 60)
     if minutes < 60:
-        return f"{minutes} min {rest} s" if minutes else f"{rest} s"
+        return f"{minutes} min {remaining_seconds} s" if minutes else f"{remaining_seconds} s"
     return f"{minutes // 60} h {minutes % 60} min"
 
 
@@ -296,17 +299,19 @@ MOST_JOBS = 1024
 @contextmanager
 def _only_writer(directory: Path, part: str = "") -> Iterator[None]:
     """Lock the study, or a part of it such as "3-of-8", against other writers."""
+    # Parts share the lock of the directory, which excludes a start of the whole study, and each has
+    # the lock of a file of its own.
     with ExitStack() as stack:
         _lock(stack, directory, directory, shared=bool(part))
         if part:
-            own = directory / f".part-{part}"
+            part_file = directory / f".part-{part}"
             try:
-                own.touch()
+                part_file.touch()
             except OSError as error:
                 reason = error.strerror or error
                 raise OutputError(f"{directory}: cannot be written: {reason}") from None
-            _lock(stack, own, directory, shared=False)
-            stack.callback(own.unlink, missing_ok=True)
+            _lock(stack, part_file, directory, shared=False)
+            stack.callback(part_file.unlink, missing_ok=True)
         yield
 
 
@@ -327,15 +332,32 @@ def run_study(
     address: Any = None,
     shard: str | None = None,
     size: int | None = None,
+    resume: bool = False,
     progress: Progress | None = None,
 ) -> Status:
-    """Run or resume a study; a failed run does not raise."""
+    """Run or resume a study; a failed run does not raise.
+
+    What a directory holds of the same study is never computed again. With `resume` the directory
+    must hold some of it, so that a wrong name does not begin a study anew.
+
+    Parameters
+    ----------
+    executor : where runs are computed: "process" (default) or "dask".
+    jobs : number of processes; by default one for each core.
+    address : address of the Dask scheduler, tcp://HOST:8786.
+    shard : part i/n of the study, for batch systems: every n-th chunk from the i-th.
+    resume : compute only what is missing in the directory, which must hold this study. Without it
+        an interrupted study is resumed too, and a new one begins elsewhere.
+    """
     directory = Path(directory)
+    if resume:
+        check_resumed(directory)
     part = check_start(directory, executor, jobs, address, shard, size)
-    study, runs, store = _opened(study, directory, size, jobs)
+    plan, store = _opened(study, directory, size, jobs)
     with _only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}"):
         try:
-            pace = _do_missing(store, study, runs, part, (executor, jobs, address), progress)
+            store.remove_changed_histories()
+            pace = _do_missing(store, plan, part, (executor, jobs, address), progress)
         except KeyboardInterrupt:
             store.log("interrupted")
             return study_status(directory, interrupted=True)
@@ -345,6 +367,14 @@ def run_study(
     computed = pace.computed
     effort = Effort(computed, pace.passed, _peak_memory()) if computed else None
     return study_status(directory, effort=effort)
+
+
+def check_resumed(directory: Path) -> None:
+    """Raise InputError for a directory without a study."""
+    if not (directory / MANIFEST).exists():
+        raise InputError(
+            "holds no study to resume; without resume, one begins there", str(directory)
+        )
 
 
 def check_start(
@@ -358,12 +388,12 @@ def check_start(
     """Check the arguments of `run_study` at once; return number and count of the part, if any."""
     part = None
     if shard is not None:
-        found = re.fullmatch(r"\s*(\d+)\s*/\s*(\d+)\s*", shard)
-        if found is None:
+        match = re.fullmatch(r"\s*(\d+)\s*/\s*(\d+)\s*", shard)
+        if match is None:
             raise InputError(
                 f'shard "{shard}": must be i/n, such as 3/8 for the third of eight parts'
             )
-        part = int(found[1]), int(found[2])
+        part = int(match[1]), int(match[2])
         if not 1 <= part[0] <= part[1]:
             raise InputError(f'shard "{shard}": the part must be from 1 to {part[1]}')
     if executor not in EXECUTORS:
@@ -374,45 +404,45 @@ def check_start(
         raise InputError(f"size: {size} must be at least 1 run")
     if executor == "process" and address is not None:
         raise InputError('address: only with executor "dask"')
-    if not (directory / MANIFEST).exists():
+    if not is_file(directory / MANIFEST):
         check_target(directory, overwrite=False)
     return part
 
 
 def _opened(
     study: Study, directory: Path, size: int | None, jobs: int | None
-) -> "tuple[Study, pd.DataFrame, Store]":
-    begun = (directory / MANIFEST).exists()
-    made = with_matched(study, directory, jobs)
-    runs = plan(made)
+) -> tuple[Plan, Store]:
+    exists = (directory / MANIFEST).exists()
+    plan = Plan(with_matched(study, directory, jobs))
     try:
-        return made, runs, open_or_make(directory, made, runs, size)
+        return plan, open_or_make(directory, plan, size)
     except InputError:
         # Another process was quicker, perhaps on another machine: its motions are used.
-        if begun or study.factors.motion.matched is None or not (directory / MANIFEST).exists():
+        if exists or study.factors.motion.matched is None or not (directory / MANIFEST).exists():
             raise
         return _opened(study, directory, size, jobs)
 
 
 def _do_missing(
     store: Store,
-    study: Study,
-    runs: "pd.DataFrame",
+    plan: Plan,
     part: tuple[int, int] | None,
     how: tuple[str, int | None, Any],
     progress: Progress | None,
 ) -> Pace:
     """Compute shards without a file, and write the histories of the worst runs."""
-    done = set(store.done())
-    mine = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
-    missing = [k for k in mine if k not in done]
-    store.clean(mine)
-    pace = Pace(store.count([k for k in mine if k in done]), store.count(mine))
+    completed = set(store.done())
+    part_shards = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
+    missing = [k for k in part_shards if k not in completed]
+    store.clean(part_shards)
+    pace = Pace(store.count([k for k in part_shards if k in completed]), store.count(part_shards))
     store.log(f"started: {pace}" + (f"; part {part[0]} of {part[1]}" if part else ""))
     if progress:
         progress(pace.done, pace.total)
-    works = _works(study, runs, [(k, store.place(k)) for k in missing])
-    shared, (executor, jobs, address) = (packed(study), study.keep.histories == "all"), how
+    works = _works(plan, [(k, store.place(k)) for k in missing])
+    histories = plan.study.keep.histories == "all"
+    packed_plan, (executor, jobs, address) = packed(plan), how
+    shared = packed_plan, histories
     jobs = min(jobs or os.cpu_count() or 1, max(len(missing), 1))
     with closing(
         on_dask(shared, works, address)
@@ -428,48 +458,50 @@ def _do_missing(
             store.log(f"shard {work.number}: {failed} failed; {pace}")
             if progress:
                 progress(pace.done, pace.total)
-    _keep_worst(store, study, runs)
+    _keep_worst(store, plan, packed_plan)
     return pace
 
 
-def _works(
-    study: Study, runs: "pd.DataFrame", shards: Sequence[tuple[int, slice]]
-) -> Iterator[Work]:
+def _works(plan: Plan, shards: Sequence[tuple[int, slice | list[int]]]) -> Iterator[Work]:
     """Yield shards with the temperatures of their bearings, which are computed once."""
     if not shards:
         return
-    preparer = Preparer(study)
-    preparer.foresee(pd.concat([runs.iloc[place] for _, place in shards]))
+    preparer = Preparer(plan)
+    preparer.compute_temperatures(pd.concat([plan.runs.iloc[place] for _, place in shards]))
     for number, place in shards:
-        rows = runs.iloc[place]
-        yield Work(number, rows, preparer.foreseen_temperatures(rows))
+        rows = plan.runs.iloc[place]
+        yield Work(number, rows, preparer.select_temperatures(rows))
 
 
-def _keep_worst(store: Store, study: Study, runs: "pd.DataFrame") -> None:
+def _keep_worst(store: Store, plan: Plan, packed_plan: bytes) -> None:
     """Repeat the worst runs, once all are complete, and write their histories."""
-    kept = store.directory / HISTORIES_FOLDER / WORST
-    if not study.keep.worst or kept.exists() or len(done := store.done()) < store.shards:
+    path, count = store.directory / HISTORIES_FOLDER / WORST, plan.study.keep.worst
+    if not count or path.exists() or len(completed := store.done()) < store.shards:
         return
-    table = store.table(["run", "outcome", *RANKED], done)
-    worst = worst_runs(table, study.keep.worst)
-    (work,) = _works(study, runs.iloc[sorted(worst)], [(0, slice(None))])
-    again = compute_shard_in_process((packed(study), True), work)
-    assert again is not None
-    store.write_histories(WORST, again.histories)
+    table = store.table(["run", "outcome", *RANKED], completed)
+    worst = worst_runs(table, count)
+    (work,) = _works(plan, [(0, sorted(worst))])
+    repeated = compute_shard_in_process((packed_plan, True), work)
+    assert repeated is not None
+    store.write_histories(WORST, repeated.histories)
     store.log(f"histories of the worst {len(worst)} runs written")
 
 
-def repeat_run(study: Study, run: int) -> EarthquakeResult:
+def repeat_run(study: Study, run: int, store: Store | None = None) -> EarthquakeResult:
     """Repeat one run of a study: the same bits, or within rounding for a study in lockstep.
 
     With weather the bearing has the initial temperatures of the study; the case of the result
-    has the ambient temperature of that hour only.
+    has the ambient temperature of that hour only. A `store` whose study has other runs, since a
+    file that it refers to was changed, is refused.
     """
-    runs = plan(study)
+    plan = Plan(study)
+    runs = plan.runs
+    if store is not None:
+        store.check_runs(study, runs)
     if not 0 <= run < len(runs):
         raise InputError(f"no run {run}; {study.name} has runs 0 to {len(runs) - 1}")
     row = runs.iloc[[run]].to_dict("records")[0]
-    task = Preparer(study).make_task({str(key): value for key, value in row.items()})
+    task = Preparer(plan).make_task({str(key): value for key, value in row.items()})
     history = run_task(task)
     motion = task.case.motions[0]
     scaled = motion.model_copy(update={"factor": motion.factor * float(row["scale"])})
@@ -477,6 +509,7 @@ def repeat_run(study: Study, run: int) -> EarthquakeResult:
     return label_analysis(case, [replace(task, case=case)], [history])
 
 
+@checked
 def study(
     source: Study | dict[str, Any] | str | Path,
     directory: str | Path | None = None,
@@ -485,6 +518,7 @@ def study(
     jobs: int | None = None,
     address: Any = None,
     shard: str | None = None,
+    resume: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> "StudyResult":
     """Run a parameter study, and return its result.
@@ -505,13 +539,17 @@ def study(
     shard : str, optional
         "i/n": every n-th shard from the i-th, for batch systems. Processes with other parts may
         write the same directory at the same time.
+    resume : bool
+        Compute only what is missing in the directory, which must hold this study. Without it an
+        interrupted study is resumed too, and a new one begins in a directory without a study.
     progress : callable, optional
         Called with the numbers of completed runs and of all runs; with a directory.
 
     Raises
     ------
     InputError
-        The study has errors (all are listed), or the directory contains another study.
+        The study has errors (all are listed), the directory contains another study, or `resume`
+        is set and it contains none.
     OutputError
         The directory cannot be written.
 
@@ -535,9 +573,13 @@ def study(
         raise InputError(f"{name}: must be a file, its table, or a Study", "study()")
     how: dict[str, Any] = {"executor": executor, "jobs": jobs, "address": address, "shard": shard}
     if directory is not None:
-        run_study(made, directory, progress=progress, **how)
+        run_study(made, directory, resume=resume, progress=progress, **how)
         return study_result(directory)
-    if how != {"executor": "process", "jobs": None, "address": None, "shard": None}:
-        raise InputError("executor, jobs, address and shard need a directory", "study()")
-    runs = plan(made)
-    return StudyResult(run_shard(made, runs), made, {"runs": len(runs)})
+    if (
+        resume
+        or executor != "process"
+        or any(how[key] is not None for key in ("jobs", "address", "shard"))
+    ):
+        raise InputError("executor, jobs, address, shard and resume need a directory", "study()")
+    plan = Plan(made)
+    return StudyResult(run_shard(plan, plan.runs), made, {"runs": len(plan.runs)})

@@ -9,6 +9,7 @@ independent, and a shard that is lost with its process or its worker in a Dask c
 again. Only the process that started the study writes files.
 """
 
+import copy
 import hashlib
 import pickle
 import queue
@@ -27,14 +28,14 @@ from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.run import Task, find_outcome, lines_to_shake, run_task
 from thermobearing.laws import load_again, loaded_files
-from thermobearing.model.outcomes import ALL_SENTENCES
+from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.model import list_hinges
 from thermobearing.structure.run import StructureHistory
-from thermobearing.studies.definition.record import Study
-from thermobearing.studies.run.prepare import Preparer, Warm
+from thermobearing.studies.definition.designs import Plan
+from thermobearing.studies.run.prepare import BearingTemperatures, Preparer
 from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
 BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
@@ -44,11 +45,21 @@ COUNTS: Final = ("steps", "iterations", "substeps")
 OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
     name: quantity(name).variable
     for name in (
-        *("bearing_displacement_max_mm", "bearing_strain_max", "bearing_force_max_kN"),
-        *("bearing_energy_kN_mm", "bearing_heat_kN_mm", "pier_displacement_max_mm"),
-        *("pier_displacement_residual_mm", "pier_rotation_max_rad", "pier_ductility"),
-        *("pier_moment_max_kN_m", "pier_top_displacement_max_mm", "pier_top_acceleration_max_m_s2"),
-        *("deck_displacement_max_mm", "deck_acceleration_max_m_s2", "layer_force_mismatch_max_kN"),
+        "bearing_displacement_max_mm",
+        "bearing_strain_max",
+        "bearing_force_max_kN",
+        "bearing_energy_kN_mm",
+        "bearing_heat_kN_mm",
+        "pier_displacement_max_mm",
+        "pier_displacement_residual_mm",
+        "pier_rotation_max_rad",
+        "pier_ductility",
+        "pier_moment_max_kN_m",
+        "pier_top_displacement_max_mm",
+        "pier_top_acceleration_max_m_s2",
+        "deck_displacement_max_mm",
+        "deck_acceleration_max_m_s2",
+        "layer_force_mismatch_max_kN",
         *COUNTS,
     )
 }
@@ -68,6 +79,9 @@ DECK: Final = -1  # last watch of a run in lockstep, after each pier and its top
 DRIFTS: Final = "pier_part_displacement_max"
 
 
+SENTENCES_BY_OUTCOME = ALL_SENTENCES | AXIAL_SENTENCES
+
+
 class Measured(NamedTuple):
     """One run: a value for each of `RESULT_COLUMNS`, and its histories if they are kept."""
 
@@ -76,10 +90,10 @@ class Measured(NamedTuple):
 
 
 def _measure_all(
-    tasks: Sequence[Task], *, every: int = 0, lockstep: bool = False
+    tasks: Sequence[Task], *, keep_every: int = 0, lockstep: bool = False
 ) -> Iterator[Measured]:
     """Run tasks; keep every n-th step of their histories (0: none). A failure is an outcome."""
-    if lockstep and not every:
+    if lockstep and not keep_every:
         for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
             yield Measured(_numbers_of_peaks(task, peaks))
         return
@@ -87,13 +101,13 @@ def _measure_all(
         history = run_task(task)
         traces = (
             measures.history_traces(task, history)
-            if every
+            if keep_every
             else measures.structure_traces(task, history)
         )
         numbers = _numbers(task, history, traces)
         kept = {
-            name: np.ascontiguousarray(values[::every], dtype=np.float32)
-            for name, values in (traces if every else {}).items()
+            name: np.ascontiguousarray(values[::keep_every], dtype=np.float32)
+            for name, values in (traces if keep_every else {}).items()
         }
         yield Measured(numbers, kept or None)
 
@@ -116,10 +130,11 @@ def _to_shake(task: Task) -> Run:
 
 def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
     lines, piers = measures.line_peaks(task, history), measures.pier_peaks(task, history)
+    end_displacements = [history.bearing(line)["displacement"][-1] for line in range(len(lines))]
     return _row(
         task,
         measures.compute_measures(task, history, traces, (lines, piers)),
-        left=np.array([history.bearing(b)["displacement"][-1] for b in range(len(lines))]),
+        end_displacements=np.array(end_displacements),
         tops=[row[DRIFTS] for row in piers],
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
@@ -129,20 +144,26 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
 
 def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """Return a value for each of `RESULT_COLUMNS` from the peaks of a run in lockstep."""
-    found = _measures_of_peaks(task, peaks)
+    measured = _measures_of_peaks(task, peaks)
+    # The watches are those of `_to_shake`: each pier relative to its base, its top, then the deck.
     tops = peaks.watches["displacement"][:DECK:2].tolist()
     if peaks.outcome == COMPLETED:
-        moved = [line["displacement"] for line in _named(peaks.lines)]
-        found["outcome"] = find_outcome(task, moved, peaks.hinges["rotation"].tolist(), tops)
-    each = list(zip(_named(peaks.lines), [one.device for one in task.lines], strict=True))
+        displacements = [line["displacement"] for line in _named(peaks.lines)]
+        measured["outcome"] = find_outcome(
+            task, displacements, peaks.hinges["rotation"].tolist(), tops
+        )
+    devices = [line.device for line in task.lines]
+    line_peaks = list(zip(_named(peaks.lines), devices, strict=True))
     return _row(
         task,
-        found,
-        left=peaks.bearings["displacement"],
+        measured,
+        end_displacements=peaks.bearings["displacement"],
         tops=tops,
         deck=measures.with_resultant(peaks.watches["residual"])[DECK],
-        rubber=(peak["rubber_temperature"] for peak, one in each if one.stack is not None),
-        lead=(peak["lead_temperature"] for peak, one in each if one.has_lead),
+        rubber=(
+            peak["rubber_temperature"] for peak, device in line_peaks if device.stack is not None
+        ),
+        lead=(peak["lead_temperature"] for peak, device in line_peaks if device.has_lead),
     )
 
 
@@ -151,32 +172,32 @@ def _overall(value: Any) -> Any:
     return value[-1] if np.ndim(value) else value
 
 
-def _named(rows: Any) -> list[dict[str, float]]:
+def _named(records: Any) -> list[dict[str, float]]:
     """Return records as dictionaries, whose fields are read faster than those of numpy."""
-    found = [dict(zip(rows.dtype.names, row, strict=True)) for row in rows.tolist()]
-    for name in rows.dtype.names:
-        if rows.dtype[name].shape:  # in plan: the resultant
-            sizes = rows[name][:, -1] if rows[name].shape[1] > 2 else lengths(rows[name])
-            for row, size in zip(found, sizes.tolist(), strict=True):
+    dictionaries = [dict(zip(records.dtype.names, row, strict=True)) for row in records.tolist()]
+    for name in records.dtype.names:
+        if records.dtype[name].shape:  # in plan: the resultant
+            sizes = records[name][:, -1] if records[name].shape[1] > 2 else lengths(records[name])
+            for row, size in zip(dictionaries, sizes.tolist(), strict=True):
                 row[name] = size
-    return found
+    return dictionaries
 
 
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """Return the measures of `compute_measures` from peaks; the bearings begin at rest."""
     bearings, lines = _named(peaks.bearings), _named(peaks.lines)
-    bearing, books = bearings[task.reported_line], _named(peaks.books)[0]
+    bearing, energies = bearings[task.reported_line], _named(peaks.books)[0]
     *piers, deck = _named(peaks.watches)
-    of_lines = [
+    line_measures = [
         {
             "line_displacement_max": peak["displacement"],
-            "line_strain_max": peak["displacement"] / one.device.bearing.total_rubber_thickness,
+            "line_strain_max": peak["displacement"] / line.device.bearing.total_rubber_thickness,
             "line_force_max": peak["force"],
             "line_energy_end": end["work_in"],
         }
-        for peak, end, one in zip(lines, bearings, task.lines, strict=True)
+        for peak, end, line in zip(lines, bearings, task.lines, strict=True)
     ]
-    of_piers = [
+    pier_measures = [
         {
             "pier_part_displacement_max": piers[2 * k]["displacement"],
             "pier_part_displacement_residual": piers[2 * k]["residual"],
@@ -188,56 +209,56 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     ]
     return {
         "outcome": peaks.outcome,
-        **measures.governing_peaks(of_lines),
-        **measures.governing_peaks(of_piers),
+        **measures.governing_peaks(line_measures),
+        **measures.governing_peaks(pier_measures),
         "deck_displacement_max": deck["displacement"],
         "deck_acceleration_max": deck["acceleration"] / measures.MM_PER_M,
         "layer_force_mismatch_max": lines[task.reported_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
-        **{f"energy_{name}": books[name] for name in measures.STRUCTURE_ENERGIES},
+        **{f"energy_{name}": energies[name] for name in measures.STRUCTURE_ENERGIES},
         **{f"heat_{name}": bearing[name] for name in measures.BEARING},
     }
 
 
 def _hinge_peaks(task: Task, peaks: RunPeaks, hinges: Sequence[int | None]) -> dict[str, float]:
     """Return the peaks of a pier's hinge, in plan the larger of both directions."""
-    each = []
+    directions = []
     for hinge in hinges:
         rotation = moment = limit = np.nan
         if hinge is not None:
-            found = _named(peaks.hinges)[hinge]
+            peak = _named(peaks.hinges)[hinge]
             limit = list_hinges(task.case.structure)[hinge].yield_rotation
-            rotation, moment = found["rotation"], found["moment"] / measures.KN_MM_PER_KN_M
-        each.append((rotation, rotation / limit, moment))
+            rotation, moment = peak["rotation"], peak["moment"] / measures.KN_MM_PER_KN_M
+        directions.append((rotation, rotation / limit, moment))
     names = ("pier_part_rotation_max", "pier_part_ductility", "pier_part_moment_max")
-    largest = each[0] if len(each) == 1 else np.fmax.reduce(each).tolist()
+    largest = directions[0] if len(directions) == 1 else np.fmax.reduce(directions).tolist()
     return dict(zip(names, largest, strict=True))
 
 
 def _row(
     task: Task,
-    found: Mapping[str, Any],
+    measured: Mapping[str, Any],
     *,
-    left: Floats,
+    end_displacements: Floats,
     tops: Sequence[Any],
     deck: Any,
     rubber: Iterable[float],
     lead: Iterable[float],
 ) -> dict[str, Any]:
     """Return all columns, from the measures of a run and those that only a study has."""
-    ended = found["outcome"]
+    outcome = measured["outcome"]
+    if end_displacements.ndim > 1:  # in plan
+        end_displacements = lengths(end_displacements)
     return {
-        "outcome": ended,
-        "sentence": "" if ended == COMPLETED else ALL_SENTENCES.get(ended, ""),
-        **{name: _overall(found[key]) for name, key in OF_RUN.items()},
-        "bearing_displacement_residual_mm": float(
-            measures.farthest(left if left.ndim == 1 else lengths(left))
-        ),
+        "outcome": outcome,
+        "sentence": "" if outcome == COMPLETED else SENTENCES_BY_OUTCOME.get(outcome, ""),
+        **{name: _overall(measured[key]) for name, key in OF_RUN.items()},
+        "bearing_displacement_residual_mm": float(measures.signed_peak(end_displacements)),
         "pier_drift_max": measures.drift(task, tops),
         "deck_displacement_residual_mm": _overall(deck),
         "rubber_max_degC": _hottest(rubber),
         "lead_max_degC": _hottest(lead),
-        **measures.compute_residuals(found),
+        **measures.compute_residuals(measured),
     }
 
 
@@ -250,14 +271,14 @@ def _not_run(error: Exception) -> Measured:
     outcome, sentence = BROKEN, f"error of the program: {type(error).__name__}: {error}"
     if isinstance(error, InputError):
         outcome, sentence = BAD_INPUT, " ".join(str(error).split())
-    found = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
-    return Measured(found | {"outcome": outcome, "sentence": sentence})
+    numbers = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
+    return Measured(numbers | {"outcome": outcome, "sentence": sentence})
 
 
 BATCH = 256  # runs that are prepared at a time, to fill the lanes in lockstep
 
 
-class Kept(NamedTuple):
+class KeptHistory(NamedTuple):
     """Decimated histories of one run, in single precision."""
 
     run: int
@@ -265,11 +286,11 @@ class Kept(NamedTuple):
     traces: Mapping[str, Any]
 
 
-class Done(NamedTuple):
+class ShardResult(NamedTuple):
     """The table of the runs of a shard, and their histories."""
 
     table: "pd.DataFrame"
-    histories: tuple[Kept, ...] = ()
+    histories: tuple[KeptHistory, ...] = ()
 
 
 class Work(NamedTuple):
@@ -277,94 +298,97 @@ class Work(NamedTuple):
 
     number: int
     rows: "pd.DataFrame"
-    warm: Warm | None = None
+    temperatures: BearingTemperatures | None = None
 
 
 class BrokenError(Exception):
     """All runs of a shard raised an error: a fault of the program or its environment."""
 
 
-def run_shard(study: Study, plan_rows: "pd.DataFrame") -> "pd.DataFrame":
+def run_shard(plan: Plan, plan_rows: "pd.DataFrame") -> "pd.DataFrame":
     """Return the columns of the plan of some runs, and `RESULT_COLUMNS`."""
-    preparer = Preparer(study)
-    preparer.foresee(plan_rows)
-    done = compute_shard(preparer, plan_rows)
-    assert done is not None
-    return done.table
+    preparer = Preparer(plan)
+    preparer.compute_temperatures(plan_rows)
+    shard = compute_shard(preparer, plan_rows)
+    assert shard is not None
+    return shard.table
 
 
 def compute_shard(
     preparer: Preparer, plan_rows: "pd.DataFrame", *, histories: bool = False
-) -> Done | None:
+) -> ShardResult | None:
     """Return the results of a shard; None if this process was stopped."""
     rows: list[dict[Any, Any]] = plan_rows.to_dict("records")
-    every = preparer.study.case.analysis.keep_every if histories else 0
-    done: dict[int, Measured] = {}
+    keep_every = preparer.study.case.analysis.keep_every if histories else 0
+    results: dict[int, Measured] = {}
     for first in range(0, len(rows), BATCH):
-        ready: dict[int, Task] = {}
+        tasks: dict[int, Task] = {}
         for number, row in enumerate(rows[first : first + BATCH], first):
             try:
-                ready[number] = preparer.make_task(row)
+                tasks[number] = preparer.make_task(row)
             except Exception as error:  # the outcome of this row; the others continue
-                done[number] = _not_run(error)
-        measured = _measured(list(ready.values()), every, preparer.lockstep)
-        if len(measured) < len(ready):
+                results[number] = _not_run(error)
+        measured = _measured(list(tasks.values()), keep_every, preparer.lockstep)
+        if len(measured) < len(tasks):
             return None
-        done |= zip(ready, measured, strict=True)
-    found = [done[number] for number in range(len(rows))]
-    if rows and all(one.numbers["outcome"] == BROKEN for one in found):
-        raise BrokenError(found[0].numbers["sentence"])
+        results |= zip(tasks, measured, strict=True)
+    runs = [results[number] for number in range(len(rows))]
+    if rows and all(run.numbers["outcome"] == BROKEN for run in runs):
+        raise BrokenError(runs[0].numbers["sentence"])
     kept = tuple(
-        Kept(int(row["run"]), str(row["id"]), one.traces)
-        for row, one in zip(rows, found, strict=True)
-        if one.traces is not None
+        KeptHistory(int(row["run"]), str(row["id"]), run.traces)
+        for row, run in zip(rows, runs, strict=True)
+        if run.traces is not None
     )
     columns: dict[str, Any] = {}
     for name in RESULT_COLUMNS:
-        values = [one.numbers[name] for one in found]
+        values = [run.numbers[name] for run in runs]
         kind = np.int64 if name in COUNTS else np.float64
         columns[name] = values if name in TEXTS else np.array(values, dtype=kind)
-    plain = plan_rows.reset_index(drop=True)
-    return Done(pd.concat([plain, pd.DataFrame(columns)], axis=1), kept)
+    plan_columns = plan_rows.reset_index(drop=True)
+    return ShardResult(pd.concat([plan_columns, pd.DataFrame(columns)], axis=1), kept)
 
 
-def _measured(tasks: list[Task], every: int, lockstep: bool) -> list[Measured]:
+def _measured(tasks: list[Task], keep_every: int, lockstep: bool) -> list[Measured]:
     """Return the result or the error of each task; fewer if this process was stopped."""
-    done: list[Measured] = []
+    results: list[Measured] = []
     try:
-        for found in _measure_all(tasks, every=every, lockstep=lockstep):
-            done.append(found)
+        for result in _measure_all(tasks, keep_every=keep_every, lockstep=lockstep):
+            results.append(result)
             if is_stopped():
                 break
     except Exception as error:  # likewise
         if len(tasks) == 1:
             return [_not_run(error)]
-        for one in tasks[len(done) :]:  # one by one, to find the run that raises
-            done += _measured([one], every, lockstep)
-    return done
+        for task in tasks[len(results) :]:  # one by one, to find the run that raises
+            results += _measured([task], keep_every, lockstep)
+    return results
 
 
-_OWN = threading.local()  # threads of a Dask worker share no state
+_THREAD = threading.local()  # threads of a Dask worker share no state
 
 
-def packed(study: Study) -> bytes:
-    """Return a study and the files of its laws as bytes for other processes, without weather."""
-    ambient = study.factors.ambient.model_copy()
+def packed(plan: Plan) -> bytes:
+    """Return a plan and the files of its laws as bytes for other processes, without weather."""
+    ambient = plan.study.factors.ambient.model_copy()
     ambient._series = None
-    factors = study.factors.model_copy(update={"ambient": ambient})
-    return pickle.dumps((study.model_copy(update={"factors": factors}), loaded_files()))
+    factors = plan.study.factors.model_copy(update={"ambient": ambient})
+    packed_plan = copy.copy(plan)
+    packed_plan.study = plan.study.model_copy(update={"factors": factors})
+    return pickle.dumps((packed_plan, loaded_files()))
 
 
-def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> Done | None:
-    """Compute a shard; `shared` is a study from `packed`, and whether histories are kept."""
-    study, histories = shared
-    mark = hashlib.sha256(study).digest()
-    if getattr(_OWN, "mark", None) != mark:
-        unpacked, files = pickle.loads(study)
+def compute_shard_in_process(shared: tuple[bytes, bool], work: Work) -> ShardResult | None:
+    """Compute a shard; `shared` is a plan from `packed`, and whether histories are kept."""
+    packed_plan, histories = shared
+    digest = hashlib.sha256(packed_plan).digest()
+    # Shards of one study follow each other: it is unpacked once, and what runs share is kept.
+    if getattr(_THREAD, "digest", None) != digest:
+        plan, files = pickle.loads(packed_plan)
         load_again(files)
-        _OWN.preparer, _OWN.mark = Preparer(unpacked), mark
-    _OWN.preparer.take(work.warm)
-    return compute_shard(_OWN.preparer, work.rows, histories=histories)
+        _THREAD.preparer, _THREAD.digest = Preparer(plan), digest
+    _THREAD.preparer.use_temperatures(work.temperatures)
+    return compute_shard(_THREAD.preparer, work.rows, histories=histories)
 
 
 EXTRA = 'needs distributed: pip install "thermobearing[cluster]"'
@@ -376,7 +400,7 @@ LOST = ("cancelled", "lost")
 
 def on_dask(
     shared: tuple[bytes, bool], works: Iterable[Work], address: Any
-) -> Generator[tuple[Work, Done | None]]:
+) -> Generator[tuple[Work, ShardResult | None]]:
     """Yield shards that a cluster computes; those of a dead worker are repeated."""
     with ExitStack() as stack:
         client = _client(address, stack)
@@ -413,12 +437,12 @@ def _client(address: Any, stack: ExitStack) -> Any:
 
 def _on_client(
     client: Any, shared: tuple[bytes, bool], works: Iterator[Work]
-) -> Generator[tuple[Work, Done | None]]:
+) -> Generator[tuple[Work, ShardResult | None]]:
     """Yield shards when they are ready; `AHEAD` are submitted for each thread."""
     from distributed import KilledWorker
 
     running: dict[Any, Work] = {}
-    ready: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    finished: queue.SimpleQueue[Any] = queue.SimpleQueue()
     # As a task and not as data, which would be lost with its worker.
     study = client.submit(tuple, shared, pure=False)
 
@@ -433,7 +457,7 @@ def _on_client(
         _check()
         future = client.submit(compute_shard_in_process, study, work, pure=False)
         running[future] = work
-        future.add_done_callback(ready.put)
+        future.add_done_callback(finished.put)
 
     try:
         while True:
@@ -445,7 +469,7 @@ def _on_client(
             future = None
             while future is None:
                 try:
-                    future = ready.get(timeout=LOOK)
+                    future = finished.get(timeout=LOOK)
                 except queue.Empty:
                     _check()
             work = running.pop(future)
@@ -453,13 +477,13 @@ def _on_client(
                 _send(work)
                 continue
             try:
-                done = future.result()
+                shard = future.result()
             except KilledWorker:
                 raise OutputError(
                     "workers of the Dask cluster died repeatedly on the same runs (out of "
                     f"memory?); {KEPT}, with smaller shards or larger workers"
                 ) from None
-            yield work, done
+            yield work, shard
     finally:
         if _answers():
             client.cancel([*running, study])

@@ -19,17 +19,22 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
-from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
-from thermobearing.quantities.governing import order_from_largest
+from thermobearing.earthquake.result import STRAIN
+from thermobearing.model.outcomes import CAVITATED, PIER_BEYOND_LIMIT, UNSTABLE, UPLIFT
+from thermobearing.quantities.governing import SLACK_KELVIN, order_from_largest
+from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
+from thermobearing.results.ranges import SLACK
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.run.shard import BAD_INPUT, BROKEN
 
 SAMPLES = 500  # of a bootstrap, by default
 LEVEL = 0.95  # confidence of bands, by default
+FEW_BEYOND = 0.05  # of the runs: fewer do not move the fractiles that tables state
 ROUNDING = 1e-9  # of a number of samples
 MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
 
@@ -83,13 +88,13 @@ class Draw:
 
     def sums(self, values: Floats) -> Floats:
         """Return the sums over the runs of each sample, from a row of values for each run."""
-        of_groups = np.zeros((self.count, values.shape[1]))
-        np.add.at(of_groups, self.groups, values)
-        return self.group_sums(of_groups)
+        group_values = np.zeros((self.count, values.shape[1]))
+        np.add.at(group_values, self.groups, values)
+        return self.group_sums(group_values)
 
-    def group_sums(self, of_groups: Floats) -> Floats:
+    def group_sums(self, group_values: Floats) -> Floats:
         """Return the sums over the groups of each sample, from a row of values for each group."""
-        return np.concatenate([weights @ of_groups for weights in self.weights()])
+        return np.concatenate([weights @ group_values for weights in self.weights()])
 
 
 def widened(level: float, groups: int) -> float:
@@ -103,8 +108,9 @@ def widened(level: float, groups: int) -> float:
     """
     if groups < 2:
         return level
-    at = scipy.special.stdtrit(groups - 1.0, 0.5 * (1.0 + level)) * np.sqrt(groups / (groups - 1.0))
-    return float(2.0 * scipy.special.ndtr(at) - 1.0)
+    quantile_of_t = scipy.special.stdtrit(groups - 1.0, 0.5 * (1.0 + level))
+    score = quantile_of_t * np.sqrt(groups / (groups - 1.0))
+    return float(2.0 * scipy.special.ndtr(score) - 1.0)
 
 
 def quantile(values: Floats, share: float) -> float:
@@ -117,6 +123,7 @@ def quantile(values: Floats, share: float) -> float:
     place = share * (len(ordered) - 1)
     low = int(np.floor(place))
     part = place - low
+    # Rounding of the place must not bring in the next value, which may be infinite.
     if part < 1e-12 or low + 1 >= len(ordered):
         return float(ordered[low])
     if np.isinf(ordered[low : low + 2]).any():
@@ -155,12 +162,35 @@ class Counted:
 
 def describe_failures(runs: int, left_out: int, collapsed: int) -> str:
     """Return how many runs failed and how they count: "2 of 40 runs failed and are left out"."""
-    done = [
-        f"{count} of {runs} runs failed and {what}"
-        for count, what in ((left_out, "are left out"), (collapsed, "count as collapse"))
-        if count
-    ]
-    return "; ".join(done) or f"{runs} runs, none failed"
+    failed = left_out + collapsed
+    if not failed:
+        return f"{runs} runs, none failed"
+    counts = {"left out": left_out, "counted as collapse": collapsed}
+    parts = {treatment: count for treatment, count in counts.items() if count}
+    verb = "is" if failed == 1 else "are"
+    if len(parts) == 1:
+        return f"{failed} of {runs} runs failed and {verb} {next(iter(parts))}"
+    treatments = " and ".join(f"{count} {treatment}" for treatment, count in parts.items())
+    return f"{failed} of {runs} runs failed: {treatments}"
+
+
+def failure_rule(demand: str, failed: Failed) -> str:
+    """Return the one rule for failed runs in the statistics of a demand, as a sentence."""
+    if failed == "collapse":
+        return (
+            'Failed runs count as collapse (failed = "collapse"); those with bad input are left '
+            "out."
+        )
+    pier = (
+        "A run whose pier exceeded its limits counts as collapse, since it exceeds every capacity "
+        "of the pier; other failed runs"
+        if demand.startswith("pier_")
+        else "Failed runs"
+    )
+    return f'{pier} are left out (failed = "left-out"; "collapse" counts them as collapse).'
+
+
+WITH_NUMBERS = (COMPLETED, CAVITATED, UPLIFT)  # outcomes whose numbers are results
 
 
 def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> Counted:
@@ -175,9 +205,12 @@ def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> 
     values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
     pier = ~completed  # runs whose pier exceeded its limits; all else in them was computed
+    unstable = ~completed  # runs that exceed every displacement
     if OUTCOME in table:
-        completed = (table[OUTCOME] == COMPLETED).to_numpy(dtype=bool)
+        completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
         pier = (table[OUTCOME] == PIER_BEYOND_LIMIT).to_numpy(dtype=bool)
+        unstable = (table[OUTCOME] == UNSTABLE).to_numpy(dtype=bool)
+    # All but the demand of the pier was computed as in a completed run.
     if failed == "left-out" and not demand.startswith("pier_"):
         completed = completed | pier
     missing = completed & ~np.isfinite(values)
@@ -186,7 +219,7 @@ def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> 
             f'{missing.sum()} of {completed.sum()} completed runs have no number in "{demand}"; '
             "select the runs that have one"
         )
-    kept = completed | pier
+    kept = completed | pier | unstable
     if not kept.any():
         raise InputError(f"none of {len(table)} runs completed")
     if failed == "collapse" and OUTCOME in table:
@@ -259,38 +292,38 @@ def demand_against(
     mean; each combination of the columns `by` has its rows. A collapse is an infinite demand.
     """
     runs = counted(table, demand, failed)
-    at = _numbers(table, across)
-    values, place = np.unique(at, return_inverse=True)
+    abscissae = _numbers(table, across)
+    values, place = np.unique(abscissae, return_inverse=True)
     if len(values) > MOST_LEVELS:
-        place = equal_classes(at, TEMPERATURE_CLASSES)
-        values = np.bincount(place, at) / np.bincount(place)
-    apart = list(zip(*(column(table, name) for name in by), strict=True)) or [()] * len(table)
-    every = np.full(len(table), np.nan)
-    every[runs.kept] = runs.demand
+        place = equal_classes(abscissae, TEMPERATURE_CLASSES)
+        values = np.bincount(place, abscissae) / np.bincount(place)
+    labels = list(zip(*(column(table, name) for name in by), strict=True)) or [()] * len(table)
+    demands = np.full(len(table), np.nan)
+    demands[runs.kept] = runs.demand
     cells: dict[tuple[Any, ...], list[int]] = {}
-    for run, label in enumerate(apart):
+    for run, label in enumerate(labels):
         cells.setdefault((label, int(place[run])), []).append(run)
     rows = []
-    order = {label: number for number, label in enumerate(dict.fromkeys(apart))}
+    order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
     for label, cell in sorted(cells, key=lambda key: (order[key[0]], key[1])):
-        mine = np.array(cells[label, cell])
-        known = np.sort(every[mine][~np.isnan(every[mine])])
+        indices = np.array(cells[label, cell])
+        ordered = np.sort(demands[indices][~np.isnan(demands[indices])])
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
-        row |= {"runs": len(known), "failed": int((~runs.completed[mine]).sum())}
-        rows.append(row | _spread(known))
+        row |= {"runs": len(ordered), "failed": int((~runs.completed[indices]).sum())}
+        rows.append(row | _spread(ordered))
     return pd.DataFrame(rows)
 
 
-def _spread(known: Floats) -> dict[str, float]:
+def _spread(ordered: Floats) -> dict[str, float]:
     names = [f"{share:g}" for share in FRACTILES]
-    if len(known) == 0:
+    if len(ordered) == 0:
         return dict.fromkeys(["mean", *names, "median_low", "median_high"], np.nan)
-    low, high = _median_places(len(known), LEVEL)
+    low, high = _median_places(len(ordered), LEVEL)
     return {
-        "mean": float(known.mean()),
-        **{name: quantile(known, share) for name, share in zip(names, FRACTILES, strict=True)},
-        "median_low": float(known[low]) if low >= 0 else -np.inf,
-        "median_high": float(known[high]) if high < len(known) else np.inf,
+        "mean": float(ordered.mean()),
+        **{name: quantile(ordered, share) for name, share in zip(names, FRACTILES, strict=True)},
+        "median_low": float(ordered[low]) if low >= 0 else -np.inf,
+        "median_high": float(ordered[high]) if high < len(ordered) else np.inf,
     }
 
 
@@ -298,8 +331,8 @@ def _median_places(count: int, level: float) -> tuple[int, int]:
     """Return the places of the ordered values that bound the median; (5, 14) of 20 at 0.95."""
     from scipy.stats import binom  # takes a second to read; starting a study does without
 
-    rest = int(binom.ppf(0.5 * (1.0 - level), count, 0.5))
-    return rest - 1, count - rest
+    tail = int(binom.ppf(0.5 * (1.0 - level), count, 0.5))
+    return tail - 1, count - tail
 
 
 RANKED = ("pier_ductility", "pier_displacement_max_mm", "bearing_displacement_max_mm")
@@ -321,3 +354,32 @@ def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None)
         return []
     order = order_from_largest(_numbers(completed, by or ranked_by(completed)))
     return [int(run) for run in completed["run"].iloc[order[:count]]]
+
+
+def extrapolations(table: "pd.DataFrame", bearings: Sequence[Any]) -> list[str]:
+    """Return, for each bearing, how many runs leave its calibration range, if not few do."""
+    sentences = []
+    for bearing in bearings:
+        if not isinstance(bearing, Bearing):
+            continue
+        ranges = calibration_ranges(bearing) or {}
+        runs = table[table["bearing"] == bearing.name]
+        beyond = []
+        if "ambient" in ranges and AMBIENT in runs:
+            low, high = ranges["ambient"]
+            within = runs[AMBIENT].between(low - SLACK_KELVIN, high + SLACK_KELVIN)
+            outside = int((~within & runs[AMBIENT].notna()).sum())
+            limit = f"{low:g} to {high:g} degC" if high > low else f"{low:g} degC"
+            if outside > FEW_BEYOND * len(runs):
+                beyond.append(f"{outside} outside ambient temperatures of {limit}")
+        if "strain" in ranges and STRAIN in runs:
+            largest = ranges["strain"][1]
+            above = int((runs[STRAIN] > (1.0 + SLACK) * largest).sum())
+            if above > FEW_BEYOND * len(runs):
+                beyond.append(f"{above} above a strain of {percent(largest)}")
+        if beyond:
+            sentences.append(
+                f"{bearing.name}: of {len(runs)} runs, {joined(beyond)} leave the calibration "
+                "range; their results are extrapolated"
+            )
+    return sentences

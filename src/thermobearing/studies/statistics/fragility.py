@@ -63,7 +63,33 @@ from thermobearing.studies.statistics.likelihood import (
 FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 MOTION = "motion"
+LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
+LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
+USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
 NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
+
+
+def describe_wide(groups: int) -> str:
+    """Return why bands of so many motions are wide, "" of more.
+
+    >>> describe_wide(11).partition(":")[0], describe_wide(12)
+    ('11 motions', '')
+    """
+    if not LEAST_MOTIONS <= groups < USUAL_MOTIONS:
+        return ""
+    return (
+        f"{groups} motions: the bands allow for the error of the dispersion, which is large below "
+        f"{USUAL_MOTIONS} motions, so that they are wider than percentiles of a bootstrap"
+    )
+
+
+def describe_few(groups: int) -> str:
+    """Return why so many motions give no band, "" if they do.
+
+    >>> describe_few(4), describe_few(5)
+    ('too few motions for a band: 4', '')
+    """
+    return f"too few motions for a band: {groups}" if 0 < groups < LEAST_MOTIONS else ""
 
 
 class IdaCurve(NamedTuple):
@@ -78,10 +104,10 @@ class IdaCurve(NamedTuple):
         """Return the demand at intensities; NaN above the last run, infinite above a collapse."""
         failed = np.isinf(self.demand)
         first = int(failed.argmax()) if failed.any() else len(failed)
-        found = np.full(len(intensity), np.inf if failed.any() else np.nan)
+        demands = np.full(len(intensity), np.inf if failed.any() else np.nan)
         inside = intensity <= self.intensity[first - 1]
-        found[inside] = np.interp(intensity[inside], self.intensity[:first], self.demand[:first])
-        return found
+        demands[inside] = np.interp(intensity[inside], self.intensity[:first], self.demand[:first])
+        return demands
 
     def _crossing(self, capacity: float) -> float:
         """Return the lowest intensity that reaches the capacity or precedes a collapse, or inf."""
@@ -91,6 +117,8 @@ class IdaCurve(NamedTuple):
         first = int(beyond[0])
         x0, x1 = self.intensity[first - 1 : first + 1]
         y0, y1 = self.demand[first - 1 : first + 1]
+        # The capacity lies between the last run that stood and the collapse: the smaller intensity
+        # counts, except zero, which has no logarithm.
         if np.isinf(y1):
             return float(x0 if x0 > 0.0 else x1)
         return float(x0 + (capacity - y0) / (y1 - y0) * (x1 - x0))
@@ -113,10 +141,12 @@ class Ida(NamedTuple):
             intensity = np.unique(np.concatenate([curve.intensity[1:] for curve in self.curves]))
         values = np.array([curve._at(intensity) for curve in self.curves])
         rows = []
-        for place, at in zip(values.T, intensity, strict=True):
-            known = place[~np.isnan(place)]
-            found = {f"{share:g}": quantile(known, share) for share in shares} if len(known) else {}
-            rows.append({self.intensity: float(at), "curves": len(known), **found})
+        for demands, at in zip(values.T, intensity, strict=True):
+            finite = demands[~np.isnan(demands)]
+            row = {self.intensity: float(at), "curves": len(finite)}
+            if len(finite):
+                row |= {f"{share:g}": quantile(finite, share) for share in shares}
+            rows.append(row)
         return pd.DataFrame(rows)
 
     def crossings(self, capacity: float) -> "pd.DataFrame":
@@ -124,8 +154,8 @@ class Ida(NamedTuple):
         rows = []
         for curve in self.curves:
             name = dict(zip(self.by, curve.name, strict=True))
-            found = {"capacity": curve._crossing(capacity), "largest": float(curve.intensity[-1])}
-            rows.append({**name, **found})
+            largest = float(curve.intensity[-1])
+            rows.append({**name, "capacity": curve._crossing(capacity), "largest": largest})
         return pd.DataFrame(rows)
 
 
@@ -148,17 +178,17 @@ def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequenc
     for place, label in enumerate(labels):
         places.setdefault(label, []).append(place)
     curves = []
-    for label, mine in places.items():
-        order = np.array(mine)[np.argsort(values[mine], kind="stable")]
+    for label, indices in places.items():
+        order = np.array(indices)[np.argsort(values[indices], kind="stable")]
         x, y = values[order], runs.demand[order]
         if (np.diff(x) == 0.0).any():
-            twice = x[:-1][np.diff(x) == 0.0][0]
-            which = ", ".join(f"{key} {value}" for key, value in zip(by, label, strict=True))
+            repeated = x[:-1][np.diff(x) == 0.0][0]
+            description = ", ".join(f"{key} {value}" for key, value in zip(by, label, strict=True))
             raise InputError(
-                f"two runs of {which} have {intensity} = {twice:g}: add the column in which they "
-                'differ to "by"'
+                f"two runs of {description} have {intensity} = {repeated:g}: add the column in "
+                'which they differ to "by"'
             )
-        curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), mine[0]))
+        curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), indices[0]))
     if all(len(curve.intensity) == 2 for curve in curves):
         raise InputError(
             f"IDA needs the same draw at several intensities (`paired = true` in [design]); each "
@@ -202,9 +232,9 @@ class Fragility:
     @property
     def median(self) -> float:
         """Intensity with a probability of one half; NaN where a curve has no lognormal form."""
-        if not all(one.known for _, one in self.parts):
+        if not all(estimate.known for _, estimate in self.parts):
             return np.nan
-        medians = [float(np.exp(one.best.place[0])) for _, one in self.parts]
+        medians = [float(np.exp(estimate.best.place[0])) for _, estimate in self.parts]
         low, high = min(medians), max(medians)
         if low == high:
             return low
@@ -213,27 +243,47 @@ class Fragility:
     @property
     def dispersion(self) -> float:
         """Standard deviation of the logarithm of the capacity, in intensity; NaN for a climate."""
-        known = self.estimate.known and len(self.parts) == 1
-        return float(1.0 / self.estimate.best.slope[0]) if known else np.nan
+        is_lognormal = self.estimate.known and len(self.parts) == 1
+        return float(1.0 / self.estimate.best.slope[0]) if is_lognormal else np.nan
+
+    @property
+    def few_motions(self) -> str:
+        """Why there is no band, such as "too few motions for a band: 4"; "" where there is one."""
+        return "" if self.outcome == NONE_BEYOND else describe_few(self.estimate.groups)
+
+    @property
+    def wide_bands(self) -> str:
+        """Why the bands are wide, with fewer than twelve motions; "" with more or without bands."""
+        return describe_wide(self.estimate.groups) if self.estimate.known else ""
+
+    @property
+    def beyond_levels(self) -> str:
+        """Why the median is no result: it is above all intensities; "" where it is one."""
+        largest = float(self.counts[self.intensity].max())
+        if not self.median > largest:
+            return ""
+        return (
+            f"too few levels: the median is beyond the largest intensity of the runs, {largest:.3g}"
+        )
 
     def probability(self, intensity: Any) -> Floats:
         """Return the probability at intensities; NaN where the share does not rise with them."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        if any(one.outcome == NOT_RISING for _, one in self.parts):
+        if any(estimate.outcome == NOT_RISING for _, estimate in self.parts):
             return np.full(len(at), np.nan)
-        return np.asarray(sum(share * one.probability(at) for share, one in self.parts))
+        return np.asarray(sum(share * estimate.probability(at) for share, estimate in self.parts))
 
     def family(self, intensity: Any, *, drawn: bool = False) -> Floats:
         """Return that of all curves of the band [curves, intensities], or those that were drawn."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        each = ((share, (drawn and one.drawn) or one) for share, one in self.parts)
-        return np.asarray(sum(share * one.family(at) for share, one in each))
+        parts = ((share, (drawn and estimate.drawn) or estimate) for share, estimate in self.parts)
+        return np.asarray(sum(share * estimate.family(at) for share, estimate in parts))
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Return the ends of the band of a number that was computed from each curve of `family`."""
-        if any(one.outcome == NOT_RISING for _, one in self.parts):
-            nothing = np.full(values.shape[1:], np.nan)
-            return nothing, nothing
+        if any(estimate.outcome == NOT_RISING for _, estimate in self.parts):
+            missing = np.full(values.shape[1:], np.nan)
+            return missing, missing
         return percentiles(values, self.level)
 
     def band_at(self, intensity: Any) -> tuple[Floats, Floats]:
@@ -242,26 +292,32 @@ class Fragility:
 
     def row(self) -> dict[str, Any]:
         """Return the parameters of one lognormal curve with their bands, as a row of a table."""
-        others = self.estimate.others
-        low = high = least = most = np.nan
+        samples = self.estimate.samples
+        median_low = median_high = dispersion_low = dispersion_high = np.nan
         if self.outcome in (COMPLETED, NONE_BEYOND):
-            places = self.ends(np.exp(np.minimum(others.place, 700.0))[:, None])
-            low, high = (float(end[0]) for end in places)
-            high = high if high < np.exp(700.0) and self.estimate.known else np.inf
+            # A sample in which no run exceeds the capacity has an infinite place, and so may the
+            # end of the band.
+            medians = np.exp(np.minimum(samples.place, LARGEST_LOGARITHM))
+            median_low, median_high = (float(end[0]) for end in self.ends(medians[:, None]))
+            if not (median_high < np.exp(LARGEST_LOGARITHM) and self.estimate.known):
+                median_high = np.inf
         if self.estimate.known:
             with np.errstate(divide="ignore"):
-                least, most = (float(end[0]) for end in self.ends((1.0 / others.slope)[:, None]))
-        flat = 0.5 / FLAT
+                ends = self.ends((1.0 / samples.slope)[:, None])
+            dispersion_low, dispersion_high = (float(end[0]) for end in ends)
+            # Beyond half the dispersion of a flat curve, the end is that of flat curves.
+            if dispersion_high >= 0.5 / FLAT:
+                dispersion_high = np.inf
         return {
             "name": self.name,
             "method": self.method,
             "capacity": self.capacity,
             "median": self.median,
-            "median_low": low,
-            "median_high": high,
+            "median_low": median_low,
+            "median_high": median_high,
             "dispersion": self.dispersion,
-            "dispersion_low": least,
-            "dispersion_high": np.inf if most >= flat else most,
+            "dispersion_low": dispersion_low,
+            "dispersion_high": dispersion_high,
             "runs": self.runs,
             "beyond": int(self.counts["beyond"].sum()),
             "left_out": self.left_out,
@@ -275,21 +331,21 @@ def combine_curves(
     curves: Mapping[float, Fragility], shares: Any, name: str = "climate"
 ) -> Fragility:
     """Return the mean of the curves of some temperatures, each by its share of the time."""
-    each, shares = list(curves.values()), np.asarray(shares, dtype=float)
-    if len(shares) != len(each) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
+    fragilities, shares = list(curves.values()), np.asarray(shares, dtype=float)
+    if len(shares) != len(fragilities) or (shares < 0.0).any() or abs(shares.sum() - 1.0) > 1e-9:
         raise InputError("each temperature needs a share of the time; their sum must be 1")
-    if len({len(curve.estimate.others.place) for curve in each}) > 1:
+    if len({len(curve.estimate.samples.place) for curve in fragilities}) > 1:
         raise InputError("the curves of a climate need the same number of bootstrap samples")
-    used = zip(shares.tolist(), each, strict=True)
-    counts = pd.concat([curve.counts for curve in each])
+    weighted = zip(shares.tolist(), fragilities, strict=True)
+    counts = pd.concat([curve.counts for curve in fragilities])
     return replace(
-        each[0],
+        fragilities[0],
         name=name,
-        parts=[(share, curve.estimate) for share, curve in used if share > 0.0],
-        runs=sum(curve.runs for curve in each),
-        counts=counts.groupby(each[0].intensity, as_index=False).sum(),
-        left_out=sum(curve.left_out for curve in each),
-        collapsed=sum(curve.collapsed for curve in each),
+        parts=[(share, curve.estimate) for share, curve in weighted if share > 0.0],
+        runs=sum(curve.runs for curve in fragilities),
+        counts=counts.groupby(fragilities[0].intensity, as_index=False).sum(),
+        left_out=sum(curve.left_out for curve in fragilities),
+        collapsed=sum(curve.collapsed for curve in fragilities),
     )
 
 
@@ -305,8 +361,15 @@ class Options(TypedDict, total=False):
     seed: int  # of the bootstrap
 
 
-DEFAULTS: dict[str, Any] = {"method": "stripes", "failed": "left-out", "groups": MOTION}
-DEFAULTS |= {"curves": (MOTION,), "level": LEVEL, "samples": SAMPLES, "seed": 0}
+DEFAULTS: dict[str, Any] = {
+    "method": "stripes",
+    "failed": "left-out",
+    "groups": MOTION,
+    "curves": (MOTION,),
+    "level": LEVEL,
+    "samples": SAMPLES,
+    "seed": 0,
+}
 
 
 def fragility_curve(
@@ -319,8 +382,8 @@ def fragility_curve(
     **options: Unpack[Options],
 ) -> Fragility:
     """Return a fragility curve from a table of runs; the column `outcome` marks failed ones."""
-    draw, how = _resample(table, options)
-    return _fragility(table, draw, (name, demand, capacity, intensity), **how)
+    draw, settings = _resample(table, options)
+    return _fragility(table, draw, name, demand, capacity, intensity, **settings)
 
 
 def fragility_curves(
@@ -332,21 +395,22 @@ def fragility_curves(
     **options: Unpack[Options],
 ) -> dict[Any, Fragility]:
     """Return a curve for each value of a column; the bootstrap draws the same motions for all."""
-    draw, how = _resample(table, options)
+    draw, settings = _resample(table, options)
     labels = np.asarray(column(table, by), dtype=object)
     values = list(dict.fromkeys(labels.tolist()))
     if all(isinstance(value, int | float) for value in values):
         values.sort()
-    found = {}
+    curves = {}
     for value in values:
-        mine = np.array([label == value for label in labels])
+        selected = np.array([label == value for label in labels])
         name = f"{value:g}" if isinstance(value, float) else str(value)
-        what = name, demand, capacity, intensity
         try:
-            found[value] = _fragility(table[mine], draw.of(mine), what, **how)
+            curves[value] = _fragility(
+                table[selected], draw.of(selected), name, demand, capacity, intensity, **settings
+            )
         except InputError as error:
             raise InputError(error.problems, f"{by} = {name}") from None
-    return found
+    return curves
 
 
 def _resample(table: "pd.DataFrame", settings: Options) -> tuple[Draw, dict[str, Any]]:
@@ -361,14 +425,16 @@ def _resample(table: "pd.DataFrame", settings: Options) -> tuple[Draw, dict[str,
 def _fragility(
     table: "pd.DataFrame",
     draw: Draw,
-    what: tuple[str, str, float, str],
+    name: str,
+    demand: str,
+    capacity: float,
+    intensity: str,
     *,
     method: Method,
     failed: Failed,
     curves: Sequence[str],
     level: float,
 ) -> Fragility:
-    name, demand, capacity, intensity = what
     check_level(level)
     if not (np.isfinite(capacity) and capacity > 0.0):
         raise InputError(f"capacity = {capacity:g} must be greater than 0")
@@ -390,8 +456,8 @@ def _fragility(
         estimate = cloud(at, runs.demand, capacity, draw)
     else:
         ida = _ida(runs, at, demand, intensity, curves)
-        own = draw.groups[[curve.first for curve in ida.curves]]
-        estimate = incremental(ida.crossings(capacity), own, draw)
+        curve_groups = draw.groups[[curve.first for curve in ida.curves]]
+        estimate = incremental(ida.crossings(capacity), curve_groups, draw)
     return Fragility(
         name=name,
         method=method,
@@ -410,14 +476,18 @@ def _fragility(
 def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Estimate:
     """Return the estimate with a band that is valid at `level`, also with few motions."""
     if estimate.outcome == NONE_BEYOND:
+        # The last run of each motion has its largest intensity. Evenly spread probabilities make
+        # the percentiles the bounds of Clopper & Pearson; samples have no order: they are shuffled.
         order = np.lexsort((at, draw.groups))
         last = np.append(np.diff(draw.groups[order]) > 0, True)
         ranks = np.random.default_rng(draw.seed).permutation(draw.samples)
         shares = (ranks + 0.5) / draw.samples
         bounds = unreached(at[order][last], shares)
-        return replace(estimate, others=bounds, groups=draw.count)
-    others = pivoted(estimate.best, estimate.others, draw.count, level)
+        return replace(estimate, samples=bounds, groups=draw.count)
+    samples = pivoted(estimate.best, estimate.samples, draw.count, level)
     collapses = estimate.collapses
     if estimate.collapse is not None and collapses is not None:
         collapses = pivoted(estimate.collapse, collapses, draw.count, level)
-    return replace(estimate, others=others, collapses=collapses, drawn=estimate, groups=draw.count)
+    return replace(
+        estimate, samples=samples, collapses=collapses, drawn=estimate, groups=draw.count
+    )

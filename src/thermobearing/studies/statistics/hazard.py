@@ -23,7 +23,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.studies.definition.record import INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
-from thermobearing.studies.statistics.fragility import Fragility
+from thermobearing.studies.statistics.fragility import Fragility, describe_few
 from thermobearing.tables.columns import plain_title, read_columns
 
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
@@ -54,22 +54,23 @@ class Hazard:
             raise InputError(
                 "a hazard curve needs two lists of the same length, of 2 numbers or more"
             )
-        for name, values, word in (("intensity", im, "increase"), ("rate", rate, "decrease")):
+        for name, values, direction in (("intensity", im, "increase"), ("rate", rate, "decrease")):
             if not (np.isfinite(values) & (values > 0.0)).all():
                 raise InputError(f"{name} of a hazard curve: must be greater than 0")
-            wrong = np.flatnonzero(np.diff(values if word == "increase" else -values) <= 0.0)
+            wrong = np.flatnonzero(np.diff(values if direction == "increase" else -values) <= 0.0)
             if len(wrong):
-                first, then = values[wrong[0] : wrong[0] + 2]
+                first, second = values[wrong[0] : wrong[0] + 2]
                 raise InputError(
-                    f"{name} of a hazard curve must {word}, not go from {first:g} to {then:g}"
+                    f"{name} of a hazard curve must {direction}, not go from {first:g} to "
+                    f"{second:g}"
                 )
 
     def at(self, intensity: Any) -> Floats:
         """Return the annual rate of exceedance of intensities; NaN outside the curve."""
         x = np.log(np.atleast_1d(np.asarray(intensity, dtype=float)))
-        known = np.log(self.intensity)
-        found = np.interp(x, known, np.log(self.rate), left=np.nan, right=np.nan)
-        return np.asarray(np.exp(found))
+        log_intensity = np.log(self.intensity)
+        log_rate = np.interp(x, log_intensity, np.log(self.rate), left=np.nan, right=np.nan)
+        return np.asarray(np.exp(log_rate))
 
     def _points(self) -> tuple[Floats, Floats]:
         """Return Gauss points between the points of the curve: intensities and annual rates."""
@@ -78,6 +79,7 @@ class Hazard:
         ends = np.unique(np.concatenate([x, np.linspace(x[0], x[-1], steps + 1)]))
         middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         at = middle[:, None] + half[:, None] * POINTS
+        # Between two points ln H is linear in ln im, so that |dH| = fall H d(ln im).
         fall = -np.diff(np.log(self.rate)) / np.diff(x)
         piece = np.clip(np.searchsorted(x, middle, side="right") - 1, 0, len(fall) - 1)
         intensity = np.exp(at)
@@ -91,16 +93,16 @@ def load_hazard(path: str | Path, measure: str = "PGA") -> Hazard:
     """Return a hazard curve from a file with columns of intensity and of rate or return period."""
     unit = INTENSITY_UNITS[measure]
     name, period = plain_title(measure), "return period"
-    wanted = {name: unit, "rate": "1/year", period: "year"}
-    found = read_columns(path, wanted, optional=("rate", period))
-    if ("rate" in found) == (period in found):
+    units = {name: unit, "rate": "1/year", period: "year"}
+    columns = read_columns(path, units, optional=("rate", period))
+    if ("rate" in columns) == (period in columns):
         raise InputError("needs a column rate [1/year], or return_period [year]", str(path))
     try:
-        if "rate" not in found:
-            if not (found[period] > 0.0).all():
+        if "rate" not in columns:
+            if not (columns[period] > 0.0).all():
                 raise InputError(f"{period}: must be greater than 0")
-            found["rate"] = 1.0 / found[period]
-        return Hazard(found[name], found["rate"], measure)
+            columns["rate"] = 1.0 / columns[period]
+        return Hazard(columns[name], columns["rate"], measure)
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
 
@@ -115,6 +117,11 @@ class Rate:
     family: Floats  # of each bootstrap sample
     notes: tuple[str, ...] = ()  # on intensities outside the hazard curve
     groups: int = 0  # motions that the bootstrap draws from; 0 where it does not matter
+
+    @property
+    def few_motions(self) -> str:
+        """Why the rate has no band, "" if it has one; a bound of no exceedance is always one."""
+        return describe_few(self.groups) if self.rate > 0.0 else ""
 
     @property
     def return_period(self) -> float:
@@ -145,19 +152,20 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
     unit = INTENSITY_UNITS.get(hazard.measure, "").replace("^2", "\N{SUPERSCRIPT TWO}")
     begins, ends = (f"{float(im):.4g} {unit}".strip() for im in hazard.intensity[[0, -1]])
     notes = []
-    first, end = float(curve.probability(start)[0]), float(curve.probability(stop)[0])
-    if first > TOO_LATE:
+    first_probability = float(curve.probability(start)[0])
+    last_probability = float(curve.probability(stop)[0])
+    if first_probability > TOO_LATE:
         notes.append(
             f"the hazard curve begins at {begins}, where the probability of exceedance is above "
             f"{100.0 * TOO_LATE:g} %: smaller earthquakes are not counted"
         )
-    if last * (1.0 - end) > TOO_EARLY * rate:
+    if last * (1.0 - last_probability) > TOO_EARLY * rate:
         notes.append(
             f"the hazard curve ends at {ends}: larger earthquakes may add more "
             f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
-    least = float(low[0]) if rate != 0.0 else 0.0
-    return Rate(rate, least, float(high[0]), family, tuple(notes), curve.estimate.groups)
+    low_rate = float(low[0]) if rate != 0.0 else 0.0
+    return Rate(rate, low_rate, float(high[0]), family, tuple(notes), curve.estimate.groups)
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
@@ -168,12 +176,12 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
         return np.nan, np.nan, np.nan
     total = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
     with np.errstate(divide="ignore", invalid="ignore"):
-        each = total[0] / total[1]
-    known = each[:-1][~np.isnan(each[:-1])]  # without samples that have no exceedance
-    if len(known) == 0:
-        return float(each[-1]), np.nan, np.nan
-    low, high = percentiles(known[:, None], widened(level, rate.groups))
-    return float(each[-1]), float(low[0]), float(high[0])
+        ratios = total[0] / total[1]  # the last is that of the estimates
+    finite = ratios[:-1][~np.isnan(ratios[:-1])]  # without samples that have no exceedance
+    if len(finite) == 0:
+        return float(ratios[-1]), np.nan, np.nan
+    low, high = percentiles(finite[:, None], widened(level, rate.groups))
+    return float(ratios[-1]), float(low[0]), float(high[0])
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
@@ -187,15 +195,15 @@ def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
     if len(at) == 0 or len(values) == 0 or not np.isfinite(values).all():
         raise InputError("needs temperature levels, and temperatures of the site without gaps")
     order = np.argsort(at, kind="stable")
-    known = at[order]
-    if (np.diff(known) <= 0.0).any():
+    ordered = at[order]
+    if (np.diff(ordered) <= 0.0).any():
         raise InputError("a temperature level is given twice")
-    place = np.interp(values, known, np.arange(len(known), dtype=float))
-    low = np.minimum(place.astype(int), max(len(known) - 2, 0))
+    place = np.interp(values, ordered, np.arange(len(ordered), dtype=float))
+    low = np.minimum(place.astype(int), max(len(ordered) - 2, 0))
     part = place - low
-    shares = np.bincount(low, 1.0 - part, minlength=len(known))
-    if len(known) > 1:
-        shares += np.bincount(low + 1, part, minlength=len(known))
-    found = np.empty(len(known))
-    found[order] = shares / len(values)
-    return found
+    shares = np.bincount(low, 1.0 - part, minlength=len(ordered))
+    if len(ordered) > 1:
+        shares += np.bincount(low + 1, part, minlength=len(ordered))
+    shares_by_level = np.empty(len(ordered))
+    shares_by_level[order] = shares / len(values)
+    return shares_by_level

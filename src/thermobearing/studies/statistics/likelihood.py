@@ -72,10 +72,10 @@ class Curves:
 
     def probability(self, im: Floats) -> Floats:
         """Return the probability of exceedance at intensities, shape (curves, intensities)."""
-        away = np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None]
+        distance = np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None]
         jump = np.isinf(self.slope)[:, None]
         steep = np.where(jump, 1.0, self.slope[:, None])
-        score = np.where(jump & (away != 0.0), np.copysign(np.inf, away), steep * away)
+        score = np.where(jump & (distance != 0.0), np.copysign(np.inf, distance), steep * distance)
         return np.asarray(
             scipy.special.ndtr(score) if self.link == "probit" else scipy.special.expit(score)
         )
@@ -87,6 +87,7 @@ def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, F
         yes, p = scipy.special.log_expit(score), scipy.special.expit(score)
         return yes, scipy.special.log_expit(-score), 1.0 - p, -p, p * (1.0 - p), p * (1.0 - p)
     yes, no = scipy.special.log_ndtr(score), scipy.special.log_ndtr(-score)
+    # The ratios of density and probability come from logarithms: both underflow far out.
     density = -0.5 * score**2 - ROOT_TWO_PI
     up, down = np.exp(density - yes), np.exp(density - no)
     return yes, no, up, -down, up * (up + score), down * (down - score)
@@ -94,6 +95,7 @@ def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, F
 
 def _likelihood(score: Floats, yes: Floats, no: Floats, link: Link = "probit") -> Floats:
     """Return the logarithm of the likelihood of counts, without the binomial coefficients."""
+    # Zero counts are left out, since zero times the logarithm of zero is no number.
     above, below = _terms(score, link)[:2]
     return np.asarray((np.where(yes > 0, yes * above, 0) + np.where(no > 0, no * below, 0)).sum(-1))
 
@@ -106,15 +108,16 @@ def _fit_curves(im: Floats, yes: Floats, no: Floats, link: Link = "probit") -> C
     half-way between two intensities, 0, 1, or a constant share if it does not rise.
     """
     x = np.log(im)
-    place, slope, open_ = _limits(x, yes, no, link)
-    if open_.any():
+    place, slope, has_maximum = _limits(x, yes, no, link)
+    if has_maximum.any():
+        # Standardised logarithms, so that the start and the steps do not depend on the unit.
         centre, width = x.mean(), max(float(x.std()), 1e-12)
-        a, b = _newton((x - centre) / width, yes[open_], no[open_], link)
+        a, b = _newton((x - centre) / width, yes[has_maximum], no[has_maximum], link)
         rising = b > FLAT
-        same = _score_of_share(yes[open_], no[open_], link)
+        constant = _score_of_share(yes[has_maximum], no[has_maximum], link)
         b = np.where(rising, b / width, FLAT)
-        a = np.where(rising, a, same)
-        slope[open_], place[open_] = b, centre - a / b
+        a = np.where(rising, a, constant)
+        slope[has_maximum], place[has_maximum] = b, centre - a / b
     return Curves(place, slope, link)
 
 
@@ -131,19 +134,22 @@ def _limits(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
     highest_no = np.where(no > 0, x, -np.inf).max(-1)
     place = np.full(len(yes), np.nan)
     slope = np.full(len(yes), np.inf)
-    none, every = np.isinf(lowest_yes), np.isinf(highest_no)
-    place[none], place[every] = np.inf, -np.inf
-    apart = ~none & ~every & (highest_no <= lowest_yes)
-    place[apart] = _between(x, yes[apart], no[apart], highest_no[apart], lowest_yes[apart])
-    slope[none | every] = 1.0
+    none_beyond, all_beyond = np.isinf(lowest_yes), np.isinf(highest_no)
+    place[none_beyond], place[all_beyond] = np.inf, -np.inf
+    separated = ~none_beyond & ~all_beyond & (highest_no <= lowest_yes)
+    place[separated] = _between(
+        x, yes[separated], no[separated], highest_no[separated], lowest_yes[separated]
+    )
+    slope[none_beyond | all_beyond] = 1.0  # any: the place is infinite
     # Separated in the wrong order, or at one intensity: the share does not rise.
     highest_yes = np.where(yes > 0, x, -np.inf).max(-1)
     lowest_no = np.where(no > 0, x, np.inf).min(-1)
-    open_ = ~none & ~every & ~apart
-    falls = open_ & (highest_yes <= lowest_no)
+    has_maximum = ~none_beyond & ~all_beyond & ~separated
+    falls = has_maximum & (highest_yes <= lowest_no)
     slope[falls] = FLAT
+    # FLAT (x - place) is the score of the share of all runs, at the mean intensity.
     place[falls] = x.mean() - _score_of_share(yes[falls], no[falls], link) / FLAT
-    return place, slope, open_ & ~falls
+    return place, slope, has_maximum & ~falls
 
 
 def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes: Floats) -> Floats:
@@ -152,15 +158,14 @@ def _between(x: Floats, yes: Floats, no: Floats, highest_no: Floats, lowest_yes:
     If one intensity has both outcomes, it is between this one and the next above if fewer than
     half of its runs exceed the capacity, and the next below if more do.
     """
-    here = (x == highest_no[:, None]) & (x == lowest_yes[:, None])
-    more = np.where(here, yes - no, 0.0).sum(
-        -1
-    )  # exceedances than non-exceedances, where both occur
-    met = yes + no > 0
-    above = np.where(met & (x > highest_no[:, None]), x, np.inf).min(-1)
-    below = np.where(met & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
-    upper = np.where((more < 0.0) & np.isfinite(above), above, lowest_yes)
-    lower = np.where((more > 0.0) & np.isfinite(below), below, highest_no)
+    mixed = (x == highest_no[:, None]) & (x == lowest_yes[:, None])
+    # Exceedances less non-exceedances at the intensity with both.
+    excess = np.where(mixed, yes - no, 0.0).sum(-1)
+    occupied = yes + no > 0
+    above = np.where(occupied & (x > highest_no[:, None]), x, np.inf).min(-1)
+    below = np.where(occupied & (x < lowest_yes[:, None]), x, -np.inf).max(-1)
+    upper = np.where((excess < 0.0) & np.isfinite(above), above, lowest_yes)
+    lower = np.where((excess > 0.0) & np.isfinite(below), below, highest_no)
     return np.asarray(0.5 * (lower + upper))
 
 
@@ -177,10 +182,12 @@ def _newton(x: Floats, yes: Floats, no: Floats, link: Link) -> tuple[Floats, Flo
         rise = slope.sum(-1), (slope * x).sum(-1)
         return *rise, weight.sum(-1), (weight * x).sum(-1), (weight * x**2).sum(-1)
 
-    return _climb(_value, _derivatives, np.asarray(scipy.special.ndtri(share)), np.zeros(len(yes)))
+    return _maximise(
+        _value, _derivatives, np.asarray(scipy.special.ndtri(share)), np.zeros(len(yes))
+    )
 
 
-def _climb(
+def _maximise(
     value: Callable[[Floats, Floats], Floats],
     derivatives: Callable[[Floats, Floats], tuple[Floats, ...]],
     a: Floats,
@@ -191,14 +198,18 @@ def _climb(
     """Return intercepts and slopes that maximise a concave likelihood, by Newton's method."""
     for _ in range(MOST_ROUNDS):
         g0, g1, h0, h1, h2 = derivatives(a, b)
+        # The solution of two equations; h is the negative matrix of second derivatives.
         area = np.maximum(h0 * h2 - h1**2, 1e-300)
         da, db = (h2 * g0 - h1 * g1) / area, (h0 * g1 - h1 * g0) / area
         step = np.ones(len(b))
+        # A step that would make the slope negative goes half-way to zero.
         if positive:
             step = np.where(b + db > 0.0, 1.0, 0.5 * b / np.maximum(-db, 1e-300))
-        now = value(a, b)
+        # Far from the maximum Newton's step can go beyond it and down again: it is halved until the
+        # likelihood does not decrease by more than rounding.
+        current = value(a, b)
         for _ in range(MOST_HALVINGS):
-            worse = value(a + step * da, b + step * db) < now - 1e-12 * (1.0 + abs(now))
+            worse = value(a + step * da, b + step * db) < current - 1e-12 * (1.0 + abs(current))
             if not worse.any():
                 break
             step = np.where(worse, 0.5 * step, step)
@@ -209,7 +220,7 @@ def _climb(
     return a, b
 
 
-def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
+def pivoted(best: Curves, samples: Curves, groups: int, level: float) -> Curves:
     """Return studentised curves of a bootstrap of `groups`: draws of the true curve.
 
     The error of a bootstrap curve, in units of its dispersion, is distributed as that of the
@@ -219,17 +230,17 @@ def pivoted(best: Curves, others: Curves, groups: int, level: float) -> Curves:
     has no dispersion. Flat curves stay.
     """
     if not (np.isfinite(best.place[0]) and 2.0 * FLAT < best.slope[0] < np.inf):
-        return others
-    wider = np.sqrt(groups / max(groups - 1.0, 1.0))
+        return samples
+    widening = np.sqrt(groups / max(groups - 1.0, 1.0))
     ndtri = scipy.special.ndtri
-    spread = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
-    usual = np.isfinite(others.place) & (others.slope > 2.0 * FLAT)
-    place, slope = others.place.copy(), others.slope.copy()
-    ratio = slope[usual] / best.slope[0]
-    away = np.minimum(ratio, STEEPEST) * (place[usual] - best.place[0])
-    place[usual] = best.place[0] - wider * away
-    slope[usual] = best.slope[0] / np.minimum(ratio**spread, STEEPEST)
-    return Curves(place, slope, others.link)
+    exponent = ndtri(0.5 + 0.5 * widened(level, groups)) / ndtri(0.5 + 0.5 * level)
+    rising = np.isfinite(samples.place) & (samples.slope > 2.0 * FLAT)
+    place, slope = samples.place.copy(), samples.slope.copy()
+    ratio = slope[rising] / best.slope[0]
+    distance = np.minimum(ratio, STEEPEST) * (place[rising] - best.place[0])
+    place[rising] = best.place[0] - widening * distance
+    slope[rising] = best.slope[0] / np.minimum(ratio**exponent, STEEPEST)
+    return Curves(place, slope, samples.link)
 
 
 def unreached(largest: Floats, shares: Floats) -> Curves:
@@ -238,6 +249,8 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
     `largest`: largest intensity of each motion. For probabilities evenly spread over (0, 1) the
     percentiles are the bounds of Clopper & Pearson (1934, Biometrika 26: 404-413) for no success.
     """
+    # The logarithm of the probability that no motion exceeds the capacity, for assumed medians from
+    # far below to far above all intensities; interpolated at the wanted probabilities.
     x = np.log(largest)
     place = np.linspace(x.min() - 8.0 * UNREACHED, x.max() + 8.0 * UNREACHED, 2000)
     none = scipy.special.log_ndtr((place - x[:, None]) / UNREACHED).sum(axis=0)
@@ -250,18 +263,21 @@ def _fit_capacities(
     """Return the most likely lognormal distribution of capacities, for each row of weights."""
     y, c = np.log(reached), np.log(at)
     count = weight_reached.sum(-1)
-    some = np.maximum(count, 1.0)
-    mean = (weight_reached * y).sum(-1) / some
+    divisor = np.maximum(count, 1.0)
+    mean = (weight_reached * y).sum(-1) / divisor
     spread = (weight_reached * (y - mean[:, None]) ** 2).sum(-1)
     deviation = np.sqrt(spread / np.maximum(count - 1.0, 1.0))
     place = np.where(count > 0, mean, np.inf)
     slope = np.full(len(count), np.inf)
-    apart = deviation > SAME
-    slope[apart] = 1.0 / deviation[apart]
+    # Equal capacities make a jump, and none at all a curve that is never reached.
+    differing = deviation > SAME
+    slope[differing] = 1.0 / deviation[differing]
     slope[count == 0] = 1.0
-    open_ = (weight_at.sum(-1) > 0) & (count > 0)
-    if open_.any():
-        place[open_], slope[open_] = _censored(y, c, weight_reached[open_], weight_at[open_])
+    censored = (weight_at.sum(-1) > 0) & (count > 0)
+    if censored.any():
+        place[censored], slope[censored] = _censored(
+            y, c, weight_reached[censored], weight_at[censored]
+        )
     return Curves(place, slope)
 
 
@@ -272,8 +288,9 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
     n, first, second = w.sum(-1), (w * y).sum(-1), (w * y**2).sum(-1)
     total = n + v.sum(-1)
     mean = (first + (v * c).sum(-1)) / total
-    around = (second + (v * c**2).sum(-1)) / total - mean**2
-    b = 1.0 / np.sqrt(np.maximum(around, 1e-6))
+    variance = (second + (v * c**2).sum(-1)) / total - mean**2
+    # The start is the mean and the deviation of all, as if each limit were a capacity.
+    b = 1.0 / np.sqrt(np.maximum(variance, 1e-6))
 
     def _value(a: Floats, b: Floats) -> Floats:
         tail = (v * scipy.special.log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
@@ -283,6 +300,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
 
     def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
         score = a[:, None] + b[:, None] * c
+        # Density over the probability of a larger capacity, from logarithms as above.
         rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - scipy.special.log_ndtr(-score))
         bend = v * rate * (rate - score)
         g0 = -(n * a + b * first) - (v * rate).sum(-1)
@@ -290,7 +308,7 @@ def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Float
         h1 = first + (bend * c).sum(-1)
         return g0, g1, n + bend.sum(-1), h1, n / b**2 + second + (bend * c**2).sum(-1)
 
-    a, b = _climb(_value, _derivatives, -mean * b, b, positive=True)
+    a, b = _maximise(_value, _derivatives, -mean * b, b, positive=True)
     return centre - a / b, b
 
 
@@ -299,13 +317,13 @@ class Estimate:
     """A curve, and the curves that its band is made of."""
 
     best: Curves  # the most likely curve
-    others: Curves  # of the bootstrap
+    samples: Curves  # of the bootstrap
     # logistic curves of the probability of collapse, of both; None without
     collapse: Curves | None = None
     collapses: Curves | None = None
     outcome: str = COMPLETED  # "completed", or why there is no curve
     sentence: str = ""  # the same in words, and what to try
-    # the estimate with the curves as the bootstrap drew them, where `others` are pivots
+    # the estimate with the curves as the bootstrap drew them, where `samples` are pivots
     drawn: "Estimate | None" = None
     groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
 
@@ -320,7 +338,7 @@ class Estimate:
 
     def family(self, intensity: Floats) -> Floats:
         """Return that of all curves of the band: shape (curves, intensities)."""
-        return _with_collapse(self.others, self.collapses, intensity)
+        return _with_collapse(self.samples, self.collapses, intensity)
 
 
 def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -> Floats:
@@ -365,20 +383,21 @@ def _counted(
         drawn = np.random.default_rng(draw.seed).binomial(
             runs.astype(int), yes[0] / runs, size=shape
         )
-        again = drawn.astype(float)
-        return levels, yes, no, again, runs - again
+        beyond_samples = drawn.astype(float)
+        return levels, yes, no, beyond_samples, runs - beyond_samples
     cells = np.zeros((draw.count, 2 * size))
     np.add.at(cells, (draw.groups, place + np.where(beyond, 0, size)), 1.0)
-    again = draw.group_sums(cells)
-    return levels, yes, no, again[:, :size], again[:, size:]
+    beyond_samples = draw.group_sums(cells)
+    return levels, yes, no, beyond_samples[:, :size], beyond_samples[:, size:]
 
 
 def stripes(at: Floats, beyond: Bools, draw: Draw) -> Estimate:
     """Return the most likely lognormal curve of counts, from an entry for each run."""
-    levels, yes, no, again, but = _counted(at, beyond, draw)
+    levels, yes, no, beyond_samples, below_samples = _counted(at, beyond, draw)
     best = _fit_curves(levels, yes, no)
     outcome, sentence = _why_not(levels, yes[0], no[0], best)
-    return Estimate(best, _fit_curves(levels, again, but), outcome=outcome, sentence=sentence)
+    samples = _fit_curves(levels, beyond_samples, below_samples)
+    return Estimate(best, samples, outcome=outcome, sentence=sentence)
 
 
 def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
@@ -388,10 +407,10 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
     if np.isinf(best.slope[0]):
         last, first = levels[no > 0].max(), levels[yes > 0].min()
         if last == first:
-            here = int(np.flatnonzero(levels == first)[0])
+            index = int(np.flatnonzero(levels == first)[0])
             ends = [word for word, end in (("smaller", 0), ("larger", -1)) if levels[end] == first]
-            more = f"{' and '.join(ends)} intensities" if ends else "intensities close to it"
-            return "apart", ONE_MIXED.format(first, yes[here], yes[here] + no[here], more)
+            advice = f"{' and '.join(ends)} intensities" if ends else "intensities close to it"
+            return "apart", ONE_MIXED.format(first, yes[index], yes[index] + no[index], advice)
         return "apart", MORE_BETWEEN.format(last, first)
     if best.slope[0] <= FLAT:
         return "not_rising", REASONS["not_rising"]
@@ -403,22 +422,23 @@ def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw) -> Estimate:
     reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
     y = table.loc[reached, "capacity"].to_numpy(dtype=float)
     c = table.loc[~reached, "largest"].to_numpy(dtype=float)
+    # Without motions each curve is drawn alone, not each of its runs.
     if draw.alone:
         draw = Draw.of_labels(None, len(table), draw.samples, draw.seed[0])
         groups = draw.groups
-    ones = np.ones((1, len(groups)))
-    best = _fit_capacities(y, c, ones[:, reached], ones[:, ~reached])
+    unit_weights = np.ones((1, len(groups)))
+    best = _fit_capacities(y, c, unit_weights[:, reached], unit_weights[:, ~reached])
     parts = [
         _fit_capacities(y, c, weights[:, groups[reached]], weights[:, groups[~reached]])
         for weights in draw.weights()
     ]
     place = np.concatenate([part.place for part in parts])
-    others = Curves(place, np.concatenate([part.slope for part in parts]))
+    samples = Curves(place, np.concatenate([part.slope for part in parts]))
     if not reached.any():
-        return Estimate(best, others, outcome="none_beyond", sentence=REASONS["none_beyond"])
+        return Estimate(best, samples, outcome="none_beyond", sentence=REASONS["none_beyond"])
     if np.isinf(best.slope[0]):
-        return Estimate(best, others, outcome="apart", sentence=REASONS["one_beyond"])
-    return Estimate(best, others)
+        return Estimate(best, samples, outcome="apart", sentence=REASONS["one_beyond"])
+    return Estimate(best, samples)
 
 
 def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
@@ -428,6 +448,7 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
         raise InputError(
             f"{stood.sum()} runs did not collapse: a regression needs three at two intensities"
         )
+    # The regression line of y = ln(demand / capacity) is zero at the median intensity.
     x = np.where(stood, np.log(at), 0.0)
     y = np.where(stood, np.log(np.where(stood, demand, 1.0) / capacity), 0.0)
     # Deviations from the means keep the digits of the sums of squares.
@@ -435,30 +456,31 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     x, y = np.where(stood, x - x_mean, 0.0), np.where(stood, y - y_mean, 0.0)
     terms = np.column_stack([stood.astype(float), x, y, x * x, x * y, y * y])
     best = _line(terms.sum(axis=0)[None, :], x_mean, y_mean)
-    others = _line(draw.sums(terms), x_mean, y_mean)
+    samples = _line(draw.sums(terms), x_mean, y_mean)
     outcome = COMPLETED if best.slope[0] > FLAT else "not_rising"
     sentence = REASONS.get(outcome, "")
     if stood.all():
-        return Estimate(best, others, outcome=outcome, sentence=sentence)
-    levels, yes, no, again, but = _counted(at, ~stood, draw)
-    share = _fit_curves(levels, yes, no, "logit")
-    return Estimate(
-        best, others, share, _fit_curves(levels, again, but, "logit"), outcome, sentence
-    )
+        return Estimate(best, samples, outcome=outcome, sentence=sentence)
+    levels, yes, no, beyond_samples, below_samples = _counted(at, ~stood, draw)
+    collapse = _fit_curves(levels, yes, no, "logit")
+    collapses = _fit_curves(levels, beyond_samples, below_samples, "logit")
+    return Estimate(best, samples, collapse, collapses, outcome, sentence)
 
 
 def _line(sums: Floats, x_mean: float, y_mean: float) -> Curves:
     """Return curves of the regression from sums of 1, x, y, xx, xy, yy; flat where it falls."""
     n, x, y, xx, xy, yy = sums.T
-    some = np.maximum(n, 1.0)
-    across = xx - x * x / some
+    divisor = np.maximum(n, 1.0)
+    # Least squares: the slope, and the deviation of the residuals with n - 2 degrees of freedom.
+    across = xx - x * x / divisor
     with np.errstate(divide="ignore", invalid="ignore"):
-        b = np.where(across > 1e-12 * some, (xy - x * y / some) / across, 0.0)
-        left = np.maximum(yy - y * y / some - b * (xy - x * y / some), 0.0)
-        sigma = np.sqrt(left / np.maximum(n - 2.0, 1.0))
-        middle = y_mean + y / some - b * (x_mean + x / some)  # ln(demand/capacity) at ln im = 0
+        b = np.where(across > 1e-12 * divisor, (xy - x * y / divisor) / across, 0.0)
+        residual_squares = np.maximum(yy - y * y / divisor - b * (xy - x * y / divisor), 0.0)
+        sigma = np.sqrt(residual_squares / np.maximum(n - 2.0, 1.0))
+        # ln(demand / capacity) at ln im = 0.
+        intercept = y_mean + y / divisor - b * (x_mean + x / divisor)
         rising = b > FLAT
         slope = np.where(rising, np.where(sigma > 0.0, b / sigma, np.inf), FLAT)
-        flat = -np.where(sigma > 0.0, middle / sigma, 0.0) / FLAT
-        place = np.where(rising, -middle / b, flat)
+        flat = -np.where(sigma > 0.0, intercept / sigma, 0.0) / FLAT
+        place = np.where(rising, -intercept / b, flat)
     return Curves(place, slope)

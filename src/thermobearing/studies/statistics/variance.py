@@ -36,6 +36,7 @@ SWAPPED = "AB "
 LEAST_ROWS = 8
 MOST_CLASSES = 60
 MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
+SAMPLING_ERROR = -0.05  # of the variance; a share that is nothing may be as small
 REST = "interaction and rest"  # row of the interaction of factors
 
 
@@ -43,18 +44,21 @@ def _sobol_indices(
     a: Floats, b: Floats, swapped: Floats, draw: Draw | None = None
 ) -> tuple[Floats, Floats]:
     """Return first-order and total indices from A, B and [factors, rows] A with columns of B."""
-    middle = np.concatenate([a, b]).mean()
-    a, b, swapped = a - middle, b - middle, swapped - middle
+    # About the mean of A and B, as in scipy.stats.sobol_indices.
+    mean = np.concatenate([a, b]).mean()
+    a, b, swapped = a - mean, b - mean, swapped - mean
     sums = np.column_stack(
         [np.ones(len(a)), a + b, a**2 + b**2, *(b * (swapped - a)), *(0.5 * (a - swapped) ** 2)]
     )
     parts = sums.sum(axis=0)[None, :] if draw is None else draw.sums(sums)
     count, total, squares = parts[:, 0], parts[:, 1], parts[:, 2]
+    # Of the values of A and B together.
     variance = squares / (2.0 * count) - (total / (2.0 * count)) ** 2
     scale = (count * np.where(variance > 0.0, variance, np.nan))[:, None]
     factors = len(swapped)
-    first, every = parts[:, 3 : 3 + factors] / scale, parts[:, 3 + factors :] / scale
-    return (first[0], every[0]) if draw is None else (first, every)
+    first_sums, total_sums = np.split(parts[:, 3:], [factors], axis=1)
+    first_indices, total_indices = first_sums / scale, total_sums / scale
+    return (first_indices[0], total_indices[0]) if draw is None else (first_indices, total_indices)
 
 
 def sobol_table(
@@ -76,14 +80,14 @@ def sobol_table(
     place = {name: row for row, name in enumerate(names)}
     numbers = {value: k for k, value in enumerate(dict.fromkeys(sample))}
     values = np.full((len(names), len(numbers)), np.nan)
-    known = np.full(len(table), np.nan)
-    known[runs.kept] = runs.demand
+    demands = np.full(len(table), np.nan)
+    demands[runs.kept] = runs.demand
     if len(table) != values.size:
         raise InputError(
             f"{len(table)} runs do not form {len(names)} matrices of {len(numbers)} samples: "
             "select the runs of one combination of levels"
         )
-    for value, name, number in zip(known, matrix, sample, strict=True):
+    for value, name, number in zip(demands, matrix, sample, strict=True):
         values[place[name], numbers[number]] = value
     complete = np.isfinite(values).all(axis=0)
     if complete.sum() < LEAST_ROWS:
@@ -96,10 +100,18 @@ def sobol_table(
     draw = Draw.of_labels(None, values.shape[1], samples, seed)
     first, total = _sobol_indices(values[0], values[1], values[2:])
     firsts, totals = _sobol_indices(values[0], values[1], values[2:], draw)
-    (low, high), (least, most) = percentiles(firsts, LEVEL), percentiles(totals, LEVEL)
-    found: dict[str, Any] = {"factor": factors, "first": first, "first_low": low}
-    found |= {"first_high": high, "total": total, "total_low": least, "total_high": most}
-    return pd.DataFrame(found).assign(rows=int(complete.sum()), left_out=int((~complete).sum()))
+    first_low, first_high = percentiles(firsts, LEVEL)
+    total_low, total_high = percentiles(totals, LEVEL)
+    columns: dict[str, Any] = {
+        "factor": factors,
+        "first": first,
+        "first_low": first_low,
+        "first_high": first_high,
+        "total": total,
+        "total_low": total_low,
+        "total_high": total_high,
+    }
+    return pd.DataFrame(columns).assign(rows=int(complete.sum()), left_out=int((~complete).sum()))
 
 
 def variance_shares(
@@ -114,37 +126,57 @@ def variance_shares(
     """Return the share of the variance that each factor explains alone (correlation ratio).
 
     The factors `together` have the same draws and therefore one share. The last row is the
-    interaction, and what else no factor explains alone.
+    interaction, and what else no factor explains alone. Failed runs are left out, those that count
+    as collapse too: a variance needs numbers.
     """
     runs = counted(table, demand)
-    values = runs.demand - runs.demand.mean()
+    finite = np.isfinite(runs.demand)  # a run that counts as collapse has no number
+    used, left_out = runs.table[finite], runs.left_out + int((~finite).sum())
+    values = runs.demand[finite]
+    values = values - values.mean() if len(values) else values
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
             f'"{demand}" has {len(values)} values: at least {LEAST_ROWS} that differ are needed'
         )
-    apart = [factor for factor in factors if len(together) < 2 or factor not in together]
-    codes = [_codes(column(runs.table, factor)) for factor in apart]
-    if len(apart) < len(factors):
-        apart.append(", ".join(together))
-        codes.append(np.asarray(pd.factorize(runs.table[SAMPLE])[0], dtype=np.int64))
+    separate_factors = [factor for factor in factors if len(together) < 2 or factor not in together]
+    codes = [_codes(column(used, factor)) for factor in separate_factors]
+    if len(separate_factors) < len(factors):
+        separate_factors.append(", ".join(together))
+        codes.append(np.asarray(pd.factorize(used[SAMPLE])[0], dtype=np.int64))
     lot = np.arange(len(values))
     if len(values) > MOST_LOTS:
         lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
     cells = [_cells(values, code, lot) for code in codes]
-    ones = np.ones((1, int(lot.max()) + 1))
-    estimates = np.array([_ratios(cell, ones)[0] for cell in cells])
-    draw = Draw.of_labels(None, ones.shape[1], samples, seed)
-    again = np.concatenate(
+    unit_weights = np.ones((1, int(lot.max()) + 1))
+    estimates = np.array([_ratios(cell, unit_weights)[0] for cell in cells])
+    draw = Draw.of_labels(None, unit_weights.shape[1], samples, seed)
+    resampled = np.concatenate(
         [np.column_stack([_ratios(cell, weights) for cell in cells]) for weights in draw.weights()]
     )
     shares = np.append(estimates, max(1.0 - estimates.sum(), 0.0))
-    again = np.column_stack([again, np.maximum(1.0 - again.sum(axis=1), 0.0)])
+    resampled = np.column_stack([resampled, np.maximum(1.0 - resampled.sum(axis=1), 0.0)])
     # Runs that are drawn twice make classes look uniform: the samples are moved to the estimate.
-    low, high = percentiles(again - again.mean(axis=0) + shares, LEVEL)
-    found: dict[str, Any] = {"factor": [*apart, REST], "share": shares}
-    found |= {"share_low": low, "share_high": high}
-    table = pd.DataFrame(found).assign(levels=[*(int(c.max()) + 1 for c in codes), 0])
-    return table.assign(rows=len(values), left_out=runs.left_out)
+    low, high = percentiles(resampled - resampled.mean(axis=0) + shares, LEVEL)
+    columns: dict[str, Any] = {
+        "factor": [*separate_factors, REST],
+        "share": shares,
+        "share_low": low,
+        "share_high": high,
+        "levels": [*(int(code.max()) + 1 for code in codes), 0],
+    }
+    return pd.DataFrame(columns).assign(rows=len(values), left_out=left_out)
+
+
+def sampling_note(contributions: "pd.DataFrame") -> str:
+    """Return a sentence if contributions are visibly wrong because of too few runs, or ""."""
+    if "total" in contributions and (contributions["total"] < contributions["first"]).any():
+        return "A total index below the first-order index is a sampling error: use more samples."
+    if "share" in contributions and (contributions["share"] < SAMPLING_ERROR).any():
+        return (
+            "A share below zero is a sampling error, as of a few runs of each paired draw: "
+            "use more motions or levels, or paired = false in [design]."
+        )
+    return ""
 
 
 def _codes(values: list[Any]) -> Ints:
@@ -152,11 +184,12 @@ def _codes(values: list[Any]) -> Ints:
     codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
     if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
         return np.asarray(codes, dtype=np.int64)
-    found = np.asarray(values, dtype=float)
-    known = ~np.isnan(found)
-    codes = np.zeros(len(found), dtype=np.int64)
-    classes = min(int(np.sqrt(known.sum())), MOST_CLASSES)
-    codes[known] = equal_classes(found[known], classes) + int(not known.all())
+    numbers = np.asarray(values, dtype=float)
+    finite = ~np.isnan(numbers)
+    codes = np.zeros(len(numbers), dtype=np.int64)
+    classes = min(int(np.sqrt(finite.sum())), MOST_CLASSES)
+    # Runs without a number are class 0.
+    codes[finite] = equal_classes(numbers[finite], classes) + int(not finite.all())
     return codes
 
 
@@ -172,10 +205,11 @@ def _cells(values: Floats, codes: Ints, lot: Ints) -> tuple[Floats, Floats, Floa
 
 def _ratios(cells: tuple[Floats, Floats, Floats], weights: Floats) -> Floats:
     """Return epsilon squared for each row of weights of the lots."""
+    # 1 - (SS_within / (n - k)) / (SS_total / (n - 1)) of n runs in k classes.
     count, sums, second = (weights @ part for part in cells)
     total, first = count.sum(axis=1), sums.sum(axis=1)
     squares = second[:, 0] - first**2 / total
     between = (sums**2 / np.maximum(count, 1.0)).sum(axis=1) - first**2 / total
     classes = (count > 0.0).sum(axis=1)
-    left = np.maximum(squares - between, 0.0) / np.maximum(total - classes, 1.0)
-    return np.asarray(1.0 - left * (total - 1.0) / np.where(squares > 0.0, squares, np.nan))
+    within = np.maximum(squares - between, 0.0) / np.maximum(total - classes, 1.0)
+    return np.asarray(1.0 - within * (total - 1.0) / np.where(squares > 0.0, squares, np.nan))

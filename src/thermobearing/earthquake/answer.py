@@ -1,0 +1,321 @@
+"""Main results of an analysis of earthquakes in sentences, as a report begins."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from thermobearing import reported
+from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
+from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
+from thermobearing.earthquake.measures import cold_ratios, key_columns
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.outcomes import INTERRUPTED, MELTED
+from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.words import (
+    change,
+    counted,
+    degrees,
+    joined,
+    number,
+    percent,
+    plain,
+    tidy,
+)
+from thermobearing.results.base import COMPLETED
+from thermobearing.results.writing import from_attribute
+
+
+def main_results(result: EarthquakeResult) -> list[str]:
+    """Return the effect of the cold, whether piers yield, and what governs; an early end first."""
+    if not result.runs:
+        return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
+    cold = _cold(result)
+    answer = [*_early_end_sentences(result), cold, _yielding(result), _governing(result)]
+    if not cold:
+        answer.append(_heating(result))
+    answer.append(_other_bound(result))
+    return [sentence for sentence in answer if sentence]
+
+
+def _early_end_sentences(result: EarthquakeResult) -> list[str]:
+    """Return a sentence on each failure mode and on missing runs, those of melted lead first."""
+    modes: dict[str, list[str]] = {}
+    for name, outcome in zip(result.run_names, result["outcome"].values, strict=True):
+        if outcome != COMPLETED:
+            modes.setdefault(str(outcome), []).append(name)
+    # The runs that an interruption left out are not in the dataset.
+    if result.outcome == INTERRUPTED:
+        modes.setdefault(INTERRUPTED, [])
+    sentences = from_attribute(result.dataset, "sentences")
+    return [
+        reported.early_sentence(
+            "The analysis",
+            f" in {counted(len(names), 'run')}, first {plain(names[0])}" if names else "",
+            outcome,
+            str(sentences.get(outcome, "")),
+        )
+        for outcome, names in sorted(modes.items(), key=lambda mode: mode[0] != MELTED)
+    ]
+
+
+def largest_place(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
+    """Return the largest value of a column, and its run and line or pier in words."""
+    table = result.table
+    if not table[column].notna().any():
+        return float("nan"), ""
+    place = place_of_largest(table[column])
+    return float(table[column].iloc[place]), _place_in_words(result, place, part)
+
+
+class Shown(NamedTuple):
+    """A bearing line or pier that figures show, and why."""
+
+    name: str
+    reason: str
+    bearing: str = ""  # where lines have several kinds
+
+    def caption(self, part: str) -> str:
+        """Return what a figure shows and why, as a sentence."""
+        bearing, scope = "", ""
+        if self.bearing:
+            bearing, scope = f" ({self.bearing})", f" among the lines with {self.bearing}"
+        return f"Shown: {_part_label(part, self.name)}{bearing}, which {self.reason}{scope}."
+
+
+def governing_lines(result: EarthquakeResult) -> list[Shown]:
+    """Return the line of each kind of bearing that uses most of an engineering limit.
+
+    Without a limit of its own checks, that with the largest shear strain. Lines whose bearings are
+    the same in all analyses are of one kind; empty where there is one line.
+    """
+    if not result.has_parts or result.dataset.sizes["line"] < 2 or not result.runs:
+        return []
+    bearings = list(dict.fromkeys(str(name) for name in result["bearing"].values))
+    kinds: dict[tuple[str, ...], list[str]] = {}
+    for line in map(str, result["line"].values):
+        kind = [result.line_bearings.get(name, {}).get(line, name) for name in bearings]
+        kinds.setdefault(tuple(kind), []).append(line)
+    shown = [_governing_line(result, lines) for lines in kinds.values()]
+    if len(kinds) == 1:
+        return shown
+    return [
+        line._replace(bearing=" or ".join(dict.fromkeys(kind)))
+        for line, kind in zip(shown, kinds, strict=True)
+    ]
+
+
+def _governing_line(result: EarthquakeResult, lines: Sequence[str]) -> Shown:
+    """Return which of some lines uses most of an engineering limit, or is strained most."""
+    checks = result.bearing_checks
+    if len(checks):
+        checks = checks[checks["part"].isin(lines) & checks["limit"].notna()]
+    if len(checks):
+        check = checks.iloc[place_of_largest(checks["used"].astype(float))]
+        what = f"{check['code']}: {check['what']}" if check["code"] else str(check["what"])
+        use = f"uses most of an engineering limit ({percent(float(check['used']))}, {what})"
+        return Shown(str(check["part"]), use)
+    rows = result.resultant.lines
+    rows = rows[rows["line"].isin(lines)]
+    strains = rows["strain_max"].fillna(0.0)
+    return Shown(str(rows["line"].iloc[place_of_largest(strains)]), "has the largest shear strain")
+
+
+def governing_pier(result: EarthquakeResult) -> Shown | None:
+    """Return the pier with the largest ductility, or displacement without a hinge."""
+    piers = result.resultant.piers
+    if not len(piers) or piers["pier"].nunique() < 2:
+        return None
+    for column, words in (("ductility", "ductility"), ("displacement_max_mm", "displacement")):
+        if piers[column].notna().any():
+            pier = piers["pier"].iloc[place_of_largest(piers[column].abs())]
+            return Shown(str(pier), f"has the largest {words}")
+    return None
+
+
+def _place_in_words(result: EarthquakeResult, place: int, part: str) -> str:
+    """Return the name of a run and of the line or pier that governs a peak of it."""
+    table, run = result.table, result.run_names[place]
+    if part not in table:
+        return plain(run)
+    bearing, name = (str(table[column].iloc[place]) for column in ("bearing", part))
+    return plain(_run_and_part(result, run, bearing, part, name))
+
+
+def _run_and_part(result: EarthquakeResult, run: str, bearing: str, part: str, name: str) -> str:
+    """Return the name of a run and its line or pier; a line is named with its own bearing."""
+    lines = result.line_bearings.get(bearing, {})
+    if not lines:
+        return f"{run}, {_part_label(part, name)}"
+    run = run.removeprefix(f"{bearing}, ")
+    if name in lines and part.endswith("line"):
+        return f"{_part_label(part, name)} with {lines[name]}, {run}"
+    return f"{run}, {_part_label(part, name)}"  # a pier carries lines of several bearings
+
+
+def _part_label(column: str, name: str) -> str:
+    """Return a line or pier as "line A1"; a name that begins so stands alone."""
+    kind = column.rpartition("_")[2]
+    return name if name.lower().startswith(kind) else f"{kind} {name}"
+
+
+def _governing(result: EarthquakeResult) -> str:
+    """Return the largest strain, force and pier displacement, each with its run."""
+    strain, strain_place = largest_place(result, "bearing_strain_max", "strain_line")
+    force, force_place = largest_place(result, "bearing_force_max_kN", "force_line")
+    article = "a" if len(result.piers) else "the"
+    pier, pier_place = largest_place(result, "pier_displacement_max_mm", "displacement_pier")
+    # The same place in words is the same run and the same line.
+    force_source = force_place if force_place != strain_place else "the same run"
+    phrases = [
+        f"the largest shear strain is {percent(strain)} ({strain_place})",
+        f"the largest force of one bearing {number(force)} kN ({force_source})",
+    ]
+    if not np.isnan(pier):  # a deck on the ground has no pier
+        phrases.append(
+            f"{article} pier top moves {number(pier)} mm relative to its base ({pier_place})"
+        )
+    scope = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
+    text = f"{scope}{joined(phrases)}."
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _yielding(result: EarthquakeResult) -> str:
+    """Return whether piers yield, and where most; empty without a hinge."""
+    ductility, place = largest_place(result, "pier_ductility", "ductility_pier")
+    if np.isnan(ductility):
+        return ""
+    if ductility <= 1.0:
+        subject = "No pier yields" if len(result.piers) else "The pier does not yield"
+        return f"{subject} (ductility {number(ductility)} at most, {place})."
+    piers = result.piers
+    names = ["the pier"]
+    if len(piers):
+        yielding = set(piers.loc[piers["ductility"] > 1.0, "pier"])
+        in_order = dict.fromkeys(piers["pier"])  # of the structure, not of the runs
+        names = [_part_label("pier", str(name)) for name in in_order if name in yielding]
+    verb = "yield" if len(names) > 1 else "yields"
+    text = f"{joined(names)} {verb} (ductility {number(ductility)}, {place})."
+    return f"{text[:1].upper()}{text[1:]}"
+
+
+def _cold(result: EarthquakeResult) -> str:
+    """Return the effect of the coldest temperature by bearing; empty where there is no cold."""
+    ratios = cold_ratios(result)
+    # Bilinear bearings are the same at all temperatures: their ratios of 1 would read as a result.
+    bilinear_names = {
+        str(n) for n in result["bearing"].values if result.dataset.attrs.get(f"bilinear:{n}")
+    }
+    if len(ratios):
+        ratios = ratios[~ratios["bearing"].isin(bilinear_names)]
+    if not len(ratios):
+        return ""
+    coldest, warmest = ratios["ambient_degC"].min(), result.table["ambient_degC"].max()
+    cold = ratios[ratios["ambient_degC"] == coldest]
+    motions = cold["motion"].nunique()
+    groups = list(cold.groupby("bearing", sort=False))
+    several = len(result.bearing_labels) > 1
+    sentences: list[str] = []
+    for name, group in groups:
+        start = f"At {degrees([coldest])}, compared with {degrees([warmest])}, "
+        if "line_bearing" in group and group["line_bearing"].nunique() > 1:
+            changes = _cold_by_kind(group, motions > 1)
+            subject = f"of the analysis with {name}, " if several else ""
+        else:
+            changes = joined(_cold_changes(group, motions > 1))
+            subject = f"with {result.bearing_labels[str(name)]} " if several else ""
+        sentences.append(f"{start}{subject}{changes}.")
+    if bilinear_names:
+        sentences.append(f"{joined(sorted(bilinear_names))} does not depend on temperature.")
+    return " ".join(sentences)
+
+
+def _cold_by_kind(group: "pd.DataFrame", several: bool) -> str:
+    """Return clauses on force and strain of each kind of bearings, then on the pier."""
+    pier = "pier_displacement_max_mm"
+    clauses = [
+        f"with {kind} {joined(_cold_changes(rows.drop(columns=pier), several))}"
+        for kind, rows in group.groupby("line_bearing", sort=False)
+    ]
+    # All kinds of a run have the same piers.
+    runs = group.drop_duplicates(key_columns(group))
+    clauses += _cold_changes(runs[[pier]], several)
+    return "; ".join(clauses)
+
+
+def _cold_changes(group: "pd.DataFrame", several: bool) -> list[str]:
+    """Return clauses on force, strain and pier displacement in the cold, means over motions."""
+    mean = "mean " if several else ""
+    clauses: list[str] = []
+    for column, peak_name in (
+        ("bearing_force_max_kN", "bearing force"),
+        ("bearing_strain_max", "shear strain"),
+        ("pier_displacement_max_mm", "displacement of the pier top"),
+    ):
+        if column not in group:
+            continue
+        values = group[column].dropna()
+        if not len(values):
+            continue
+        size = change(float(values.mean()), "larger", "smaller").replace("as much", "as large")
+        verb = "" if clauses else " is"  # one verb for all clauses
+        clauses.append(f"the {mean}{peak_name}{verb} {size}")
+    return clauses
+
+
+OTHER_PEAKS = {  # of the other state of the rubber: words, factor, unit and column of the place
+    FORCE: ("the largest force of one bearing", 1.0, "kN", "force_line"),
+    STRAIN: ("the largest shear strain", 100.0, "%", "strain_line"),
+    DUCTILITY: ("the pier ductility", 1.0, "", "ductility_pier"),
+}
+
+
+def _other_bound(result: EarthquakeResult) -> str:
+    """Return the governing runs with rubber in the state of the other bound, as a sentence."""
+    try:
+        bound = run_other_bound(result)
+    except InputError as error:  # such as a record that is not there any more
+        return f"The other state of the rubber was not computed: {tidy(error.problems[0])}"
+    if bound is None or not bound.peaks:
+        return ""
+    phrases = []
+    for peak in bound.peaks:
+        peak_name, factor, unit, part = OTHER_PEAKS[peak.column]
+        place = _place_in_words(result, result.run_names.index(peak.run), part)
+        before, after = number(factor * peak.before), number(factor * peak.after)
+        after_with_unit = f"{after} {unit}".strip()
+        ending = "" if peak.outcome == COMPLETED else f", {peak.outcome.replace('_', ' ')}"
+        phrases.append(f"{peak_name} is {after_with_unit} instead of {before} ({place}{ending})")
+    unknown = ", whose scragging is assumed," if bound.assumed else ""
+    extra_runs = counted(bound.runs, "more run")
+    changes = f"{joined(phrases)}; {extra_runs} of the analysis."
+    return f"With {bound.state.rubber} rubber{unknown} {changes}"
+
+
+def _heating(result: EarthquakeResult) -> str:
+    """Return the largest rises of rubber and lead, each with its run and line, as a sentence."""
+    rises_by_material: dict[str, list[tuple[float, str]]] = {"rubber": [], "lead": []}
+    for run, name in enumerate(result.run_names):
+        for layer, rise in result.rises(run).items():
+            rises_by_material["lead" if layer == "lead" else "rubber"].append((rise, name))
+    if result.has_parts:
+        lines = result.lines
+        names = np.repeat(result.run_names, len(lines) // result.runs)
+        places = [
+            _run_and_part(result, str(run), str(bearing), "line", str(line))
+            for run, bearing, line in zip(names, lines["bearing"], lines["line"], strict=True)
+        ]
+        # Other lines may be warmer than the one whose layers are kept.
+        rises_by_material = {
+            material: list(zip(lines[f"{material}_rise_K"], places, strict=True))
+            for material in rises_by_material
+        }
+    warmed = []
+    for material, rises in rises_by_material.items():
+        if finite := [(rise, place) for rise, place in rises if np.isfinite(rise)]:
+            rise, place = max(finite)
+            warmed.append(f"the {material} by up to {rise:.1f} K ({plain(place)})")
+    if not warmed:
+        return "The bearings are bilinear and do not depend on temperature."
+    return f"The motions warm {joined(warmed)}."

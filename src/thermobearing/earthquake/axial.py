@@ -1,0 +1,190 @@
+"""Axial forces of bearings in an analysis: tables of lines, outcomes, checks and sentences."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.model.axial import AxialPeak, column_of
+from thermobearing.model.checks import axial_checks, check_rows
+from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.base import COMPLETED
+from thermobearing.results.ranges import Row
+from thermobearing.results.writing import as_attribute
+from thermobearing.structure.model import BearingLine, default_deck_height
+from thermobearing.structure.result import GRAVITY
+from thermobearing.structure.run import AxialHistory, PressedLine, StructureHistory
+from thermobearing.structure.types import SectionBooks, SectionPeak
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from thermobearing.earthquake.run import Task
+
+
+def pressed_line(
+    case: EarthquakeCase, line: BearingLine, bearing: Bearing | BilinearBearing
+) -> PressedLine | None:
+    """Return the axial forces of a line; None where they do not act."""
+    table, level = line.axial, case.analysis.axial
+    if table is None or not case.analysis.has_axial or not isinstance(bearing, Bearing):
+        return None
+    loads = np.array(table.dead_loads(line.count))
+    moves = level != "dead"
+    return PressedLine(
+        columns=column_of(bearing, case.analysis.axial_factor or "overlap"),
+        dead_loads=loads,
+        places=np.array(table.places if moves and table.places else [0.0] * line.count),
+        moves=moves,
+        overturns=moves,
+        height=table.deck_height or default_deck_height(case.structure, line),
+        dowelled=table.joint == "dowelled",
+        dowel_length=table.dowel_length or 0.0,
+        mass=table.mass or float(loads.sum()) / GRAVITY,
+        damping_ratio=table.damping_ratio,
+    )
+
+
+def is_unstable(axial: AxialHistory | None) -> bool:
+    """Return whether a bearing passed its critical load, or the force of a line fell beyond it."""
+    if axial is None:
+        return False
+    peaks: Any = axial.peaks
+    return bool((peaks["first"] >= 0.0).any() or (peaks["falling"] >= 0.0).any())
+
+
+def with_axial_outcome(outcome: str, axial: AxialHistory | None) -> str:
+    """Return the outcome of a run that reached its end, with that of its axial forces."""
+    if axial is None or outcome == NOT_PHYSICAL:
+        return outcome
+    peaks: Any = axial.peaks
+    sections: Any = axial.sections
+    if is_unstable(axial) or peaks["unbalanced"].any():
+        return UNSTABLE
+    if outcome != COMPLETED:
+        return outcome
+    stated = sections["dowel_length"] > 0.0
+    if (stated & (peaks["uplift"] > sections["dowel_length"])).any():
+        return UPLIFT
+    return CAVITATED if (peaks["tension"] > 1.0).any() else outcome
+
+
+def _pressed_lines(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> Iterator[tuple["Task", int, SectionPeak, SectionBooks]]:
+    """Yield run, line, peaks and works of all lines whose axial forces acted, run by run."""
+    for task, history in zip(tasks, histories, strict=True):
+        if history.axial is not None:
+            for a, number in enumerate(history.axial.lines):
+                yield task, number, history.axial.peaks[a], history.axial.books[a]
+
+
+def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
+    """Return sentences on bearings that pass a limit of their axial force."""
+    messages = []
+    for task, number, peak, _ in _pressed_lines(tasks, histories):
+        line = task.case.structure.bearings[number]
+        where = f"{line.name}, bearing {{:.0f}} of {line.count} ({task.label()})"
+        if peak.first >= 0.0:
+            share = f"the line as a whole is at {peak.line_share:.2f} of its critical load"
+            messages.append(
+                f"{where.format(peak.share_bearing + 1)}: unstable, first at {peak.first:.4g} s "
+                f"and for {peak.exceeded:.3g} s; most at {peak.share_time:.4g} s and "
+                f"{peak.share_x:.3g} mm, with an axial force of {peak.share_force:.4g} kN and a "
+                f"critical load of {peak.share_limit:.4g} kN; {share}"
+            )
+        elif peak.falling >= 0.0:
+            messages.append(
+                f"{line.name} ({task.label()}): unstable, the shear force falls as the "
+                f"displacement grows from {peak.falling:.4g} s on"
+            )
+        elif peak.unbalanced > 0.0:
+            messages.append(
+                f"{line.name} ({task.label()}): unstable, the overturning moment exceeds what the "
+                f"bearings can balance in {peak.unbalanced:.0f} steps"
+            )
+        if peak.uplift > 0.0:
+            messages.append(
+                f"{where.format(peak.least_bearing + 1)}: lifts by up to {peak.uplift:.3g} mm"
+            )
+        if peak.tension > 1.0:
+            messages.append(
+                f"{where.format(peak.least_bearing + 1)}: the rubber cavitates, with a damage of "
+                f"{peak.damage:.0%} and a tension of up to {-peak.least:.4g} kN"
+            )
+    return messages
+
+
+def axial_check_rows(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[Row]:
+    """Return the checks of axial forces that acted in the analysis, of every line in every run."""
+    rows: list[Row] = []
+    several = len(case.structure.bearings) > 1
+    for task, number, peak, _ in _pressed_lines(tasks, histories):
+        name = case.structure.bearings[number].name if several else ""
+        bearing = task.lines[number].device.bearing.name
+        rows += check_rows(task.label(bearing), bearing, axial_checks(section_peaks(peak), name))
+    return rows
+
+
+def section_peaks(peak: SectionPeak) -> dict[str, AxialPeak]:
+    """Return the peaks of a line in a run, as `axial_checks` takes them."""
+    first = peak.first if peak.first >= 0.0 else math.nan
+    force, limit = float(peak.share_force), float(peak.share_limit)
+    shares = float(peak.share), force, limit, float(peak.share_time), first, float(peak.exceeded)
+    peaks = {"analysis": AxialPeak(*shares)}
+    if peak.least < 0.0:
+        tension, strength = -float(peak.least), float(peak.cavitation_force)
+        moment = float(peak.least_time)
+        peaks["cavitation"] = AxialPeak(
+            tension / strength, tension, strength, moment, math.nan, 0.0
+        )
+    return peaks
+
+
+def axial_attribute(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> dict[str, str | int | float]:
+    """Return the extremes of axial forces as an attribute of a dataset; none where none act."""
+    extremes = _axial_extremes(tasks, histories)
+    return {"axial": as_attribute(extremes)} if extremes else {}
+
+
+def _axial_extremes(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[dict[str, Any]]:
+    """Return the extremes of the axial forces of each line in each run."""
+    rows = []
+    for task, number, peak, works in _pressed_lines(tasks, histories):
+        rows.append(
+            {
+                "run": task.label(task.device.bearing.name),
+                "line": task.case.structure.bearings[number].name,
+                "critical_share": float(peak.share),
+                "axial_bearing": int(peak.share_bearing) + 1,
+                "axial_time_s": float(peak.share_time),
+                "axial_displacement_mm": float(peak.share_x),
+                "axial_force_kN": float(peak.share_force),
+                "critical_load_kN": float(peak.share_limit),
+                "axial_exceeded_s": float(peak.exceeded),
+                "critical_share_line": float(peak.line_share),
+                "axial_force_min_kN": float(peak.least),
+                "cavitation_share": float(peak.tension),
+                "uplift_mm": float(peak.uplift),
+                "cavitation_damage": float(peak.damage),
+                "lent_kN_mm": float(works.lent),
+            }
+        )
+    return rows
+
+
+def axial_table(rows: "pd.DataFrame") -> Table:
+    """Return the extremes of axial forces that act on the shear force, of each line and run."""
+    names = [] if rows.empty else [str(name) for name in rows]
+    return make_table(rows, names, "Axial forces of the bearings", keys=2)

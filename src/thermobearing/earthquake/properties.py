@@ -1,0 +1,446 @@
+"""Equivalent linear and bilinear properties of bearing lines, as other programs take them.
+
+The third cycle of a bearing that does not warm, at the design displacement of its line and the
+ambient temperature, gives effective stiffness, damping and the bilinear loop of the same peak force
+and energy. Virgin rubber has its largest force in the first cycle, which gives the upper values.
+"""
+
+import math
+import textwrap
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import exposed, exposed_bilinear
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.state import RubberState, has_excess, in_state
+from thermobearing.border.lazy import pd
+from thermobearing.border.library import data_path, read_data
+from thermobearing.border.schema import Strict, validated
+from thermobearing.border.toml import read_toml
+from thermobearing.core.records import Floats
+from thermobearing.cyclic.equivalent import (
+    CYCLE,
+    backbone,
+    isothermal_cycle,
+    post_yield_ratio,
+    solve_backbone,
+    stated_backbone,
+)
+from thermobearing.earthquake.case import EarthquakeAnalysis, OnLine, list_bearing_tables
+from thermobearing.model.axial import axial_stiffness
+from thermobearing.model.checks import checked_modulus
+from thermobearing.model.earlier import BilinearParameters
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import joined
+from thermobearing.results.directory import MODES_FILE
+from thermobearing.structure.matrices import find_modes, line_stiffness, total_stiffness
+from thermobearing.structure.model import Structure
+from thermobearing.structure.run import Prepared, prepare_structure
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+
+RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
+STILL = 1e-6  # strain of a line that does not move, whose stiffness is not asked for
+MEAN_RULE = "mean of seven"
+KILO = 1e3  # mm in a metre
+FIRST = 1  # the cycle in which virgin rubber is stiffest
+SCRAGGED = "scragged"
+
+
+class DampingFactor(Strict):
+    """Content of data/equivalent/damping.toml; `unverified`: its source was not read."""
+
+    reference: Annotated[float, Field(gt=0, lt=1)]
+    exponent: Annotated[float, Field(gt=0, lt=1)]
+    largest: Annotated[float, Field(ge=1)]
+    source: str
+    unverified: bool
+
+    def at(self, ratio: float) -> float:
+        """Return B_L, which divides the displacement of a spectrum of 5 % damping."""
+        return float(min((ratio / self.reference) ** self.exponent, self.largest))
+
+
+def damping_factor() -> DampingFactor:
+    """Return the rule for B_L."""
+    return read_data(DampingFactor, "equivalent", "damping.toml")
+
+
+def motions_for_mean() -> int:
+    """Return from how many motions on the mean of their peaks counts (data/design/peaks.toml)."""
+    rules = read_toml(data_path("design", "peaks.toml"))["rules"]
+    return int(next(rule["least"] for rule in rules if rule["name"] == MEAN_RULE))
+
+
+def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
+    """Return the equivalent properties of one bearing of each line, by ambient temperature.
+
+    The design displacement of a line is the mean of its largest displacements over the motions
+    where there are at least seven, otherwise the largest (data/design/peaks.toml). The
+    test has the mean speed 4 D/T of a cycle with the first period T of the structure. Exposure and
+    state of the rubber are those of the analysis, or of the line where it states its own.
+
+    Returns
+    -------
+    DataFrame
+        One row for each bearing of the analysis, line and ambient temperature: design displacement
+        [mm], effective stiffness [kN/mm] and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of
+        the bilinear loop with the same peak force and energy; `kind` of the bearing, empty where
+        its own K_1 is stated. All lines of a bearing have one K_1/K_d. `cycle` is the third; the
+        first at the coldest temperature of rubber with virgin excess, whose state is `rubber`.
+        `over_scragged` is K_eff over that of the third cycle of scragged rubber. Lines that do not
+        move are left out.
+    """
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
+    options = validated(EarthquakeAnalysis, case["analysis"], "analysis")
+    states = {
+        str(table["line"]): validated(OnLine, dict(table), "lines").state
+        for table in case.get("lines", [])
+    }
+    period = float(np.atleast_1d(result.dataset.attrs["periods_s"])[0])
+    rows = []
+    lines = _moved_lines(result, case["structure"], devices)
+    for key, group in lines.groupby(["bearing", "line", "ambient_degC"], sort=False):
+        peaks = group["displacement_max_mm"].to_numpy(dtype=float)
+        has_mean = len(peaks) >= motions_for_mean()
+        displacement = float(peaks.mean() if has_mean else peaks.max())
+        state = states.get(str(key[1])) or options.state
+        device = _as_run(devices[str(group["line_bearing"].iloc[0])], options, state)
+        coldest = key[2] == lines["ambient_degC"].min()
+        # The secant stiffness of a line that does not move is that of no cycle.
+        if displacement <= STILL * device.total_rubber_thickness:
+            continue
+        temperature = float(group["line_ambient_degC"].iloc[0])
+        labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
+        line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
+        values = _properties(device, displacement, temperature, period, upper=coldest)
+        rows.append(labels | line | values | {"rubber": _rubber(device, state)})
+    return _with_one_ratio(pd.DataFrame(rows))
+
+
+def _rubber(device: Bearing | BilinearBearing, state: RubberState | None) -> str:
+    """Return the state of the rubber of a bearing in words; empty of a bilinear one."""
+    if isinstance(device, BilinearBearing):
+        return ""
+    if device.scragging is None:
+        return SCRAGGED
+    # A file with the table scragging is of virgin rubber where no state is stated.
+    return "virgin" if state is None else state.describe()
+
+
+def _with_one_ratio(lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return lines of which those with the same bearing have the largest assumed K_1/K_d of them.
+
+    A fat loop needs a larger ratio than that of the kind; lines with other displacements would
+    otherwise have other ratios, and other Q_d and K_d.
+    """
+    if not len(lines):
+        return lines
+    assumed = lines[lines["kind"] != ""]
+    for _, group in assumed.groupby(["bearing", "line_bearing"], sort=False):
+        smallest = float((group["K_d_kN_mm"] / group["K_1_kN_mm"]).min())
+        for index, row in zip(group.index, group.to_dict("records"), strict=True):
+            loop = solve_backbone(
+                row["K_eff_kN_mm"], row["h_eff"], row["design_displacement_mm"], smallest
+            )
+            if loop is not None:
+                values = [loop.strength, loop.post_yield, loop.initial]
+                lines.loc[index, ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm"]] = values
+    return lines
+
+
+def _device(table: Mapping[str, Any]) -> Bearing | BilinearBearing:
+    """Return a bearing of a resolved case."""
+    name = str(table["name"])
+    if table.get("kind") == "bilinear":
+        return validated(BilinearBearing, dict(table), name)
+    return as_bearing(dict(table), name)
+
+
+def _as_run(
+    device: Bearing | BilinearBearing, options: EarthquakeAnalysis, state: RubberState | None
+) -> Bearing | BilinearBearing:
+    """Return a bearing with the exposure of an analysis and its rubber in a state."""
+    if isinstance(device, BilinearBearing):
+        return exposed_bilinear(device, options.exposure)
+    return in_state(exposed(device, options.exposure), state)
+
+
+def _moved_lines(
+    result: "EarthquakeResult",
+    structure: Mapping[str, Any],
+    devices: Mapping[str, Bearing | BilinearBearing],
+) -> "pd.DataFrame":
+    """Return the lines of completed runs; of one line, the table of runs with its count."""
+    table = result.table
+    completed = table["outcome"] == "completed"
+    lines = result.lines
+    if len(lines):
+        return lines[np.repeat(completed.to_numpy(), len(lines) // result.runs)]
+    # A structure with one line and one pier has no table of lines; peaks are those of its line.
+    line = structure["bearings"][0]
+    table = table[completed]
+    strain = table["bearing_strain_max"].to_numpy(dtype=float)
+    thickness = np.array([devices[name].total_rubber_thickness for name in table["bearing"]])
+    return table[["bearing", "ambient_degC"]].assign(
+        line=line["name"],
+        line_bearing=table["bearing"],
+        count=int(line["count"]),
+        line_ambient_degC=table["ambient_degC"],
+        displacement_max_mm=strain * thickness,
+    )
+
+
+def _properties(
+    device: Bearing | BilinearBearing,
+    displacement: float,
+    temperature: float,
+    period: float,
+    *,
+    upper: bool,
+) -> dict[str, float | str]:
+    """Return the equivalent properties of a bearing at a displacement [mm] and temperature.
+
+    Upper values of rubber that is stiffer while virgin are those of the first cycle.
+    """
+    kind, cycle_number, over_scragged = "", CYCLE, 1.0
+    if isinstance(device, BilinearBearing):
+        loop = BilinearParameters(
+            device.strength, device.post_yield_stiffness, device.initial_stiffness
+        )
+        stiffness = loop.strength / displacement + loop.post_yield
+        energy = loop.energy(displacement)
+        vertical = math.nan
+    else:
+        strain = displacement / device.total_rubber_thickness
+        speed = 4.0 * displacement / period  # a cycle covers four times its amplitude
+        if upper and device.scragging is not None and has_excess(device):
+            cycle_number = FIRST
+        cycle = isothermal_cycle(device, strain, speed, temperature, cycle_number)
+        stiffness, energy = cycle.stiffness_kN_mm, cycle.energy_kN_mm
+        stated = stated_backbone(device, cycle, displacement)
+        kind = device.kind if stated is None else ""
+        loop = stated or backbone(stiffness, energy, displacement, device.kind)
+        if device.scragging is not None:
+            scragged = in_state(device, RubberState(rubber="tested"))
+            if cycle_number != CYCLE or scragged != device:
+                third = isothermal_cycle(scragged, strain, speed, temperature)
+                over_scragged = stiffness / third.stiffness_kN_mm
+        modulus = checked_modulus(device, temperature)
+        vertical = axial_stiffness(device.geometry, modulus, device.lead)
+    return {
+        "design_displacement_mm": displacement,
+        "K_eff_kN_mm": stiffness,
+        "h_eff": energy / (2.0 * math.pi * stiffness * displacement**2),
+        "Q_d_kN": loop.strength,
+        "K_d_kN_mm": loop.post_yield,
+        "K_1_kN_mm": loop.initial,
+        "K_v_kN_mm": vertical,
+        "kind": kind,
+        "cycle": cycle_number,
+        "over_scragged": over_scragged,
+    }
+
+
+def initial_stiffness_note(lines: "pd.DataFrame") -> str:
+    """Return which K_1/K_d is assumed, with its source and where a fat loop needs more of it."""
+    kinds = dict.fromkeys(kind for kind in lines["kind"] if kind)
+    if not kinds:
+        return ""
+    ratios = [f"{1.0 / post_yield_ratio(kind).K_2_over_K_1:.3g} ({kind})" for kind in kinds]
+    sources = dict.fromkeys(post_yield_ratio(kind).source for kind in kinds)
+    star = "*" if any(post_yield_ratio(kind).unverified for kind in kinds) else ""
+    larger = dict.fromkeys(
+        f"{row['line_bearing']}: {row['K_1_kN_mm'] / row['K_d_kN_mm']:.3g}"
+        for row in lines.to_dict("records")
+        if row["kind"]
+        and row["K_1_kN_mm"] / row["K_d_kN_mm"]
+        > RATIO_SLACK / post_yield_ratio(row["kind"]).K_2_over_K_1
+    )
+    text = (
+        f"K_1 is assumed{star} where the loop of a bearing is not bilinear: K_1/K_d = "
+        f"{joined(ratios, 'and')}, {'; '.join(sources)}"
+    )
+    if larger:
+        text += (
+            ". A loop with more damping than a bilinear one of this ratio can have needs a larger "
+            f"ratio ({'; '.join(larger)})"
+        )
+    return f"{text}. *: not checked against the published text." if star else f"{text}."
+
+
+def cycle_note(row: Mapping[Any, Any]) -> str:
+    """Return the cycle and the state of the rubber that a line stands for; empty if bilinear."""
+    if not row["rubber"]:
+        return ""
+    cycle = "first" if row["cycle"] == FIRST else "third"
+    text = f"{cycle} cycle, {row['rubber']} rubber"
+    if row["rubber"] == SCRAGGED:
+        return text
+    factor = f"{row['over_scragged']:.2f}"
+    return f"{text}: effective stiffness {factor} times that of the third cycle, scragged rubber"
+
+
+def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return effective period [s], damping ratio and damping factor B_L, by ambient temperature.
+
+    `lines` are those of `line_properties`. The period is that of the first mode with the effective
+    stiffness of all lines, the ratio that of the bearings,
+
+    xi = sum n E / (2 pi sum n K_eff D^2),
+
+    without the viscous damping of the structure.
+    """
+    prepared = _prepared_structure(result)
+    structure, matrices = prepared.structure, prepared.matrices
+    rows = []
+    for key, group in lines.groupby(["bearing", "ambient_degC"], sort=False):
+        stiffness = dict(zip(group["line"], group["K_eff_kN_mm"], strict=True))
+        # Lines that do not move have no row: they keep the equivalent stiffness of their input.
+        stiffnesses = [
+            stiffness.get(line.name, line.equivalent_stiffness) for line in structure.bearings
+        ]
+        total = total_stiffness(structure, matrices, np.array(stiffnesses))
+        modes = find_modes(matrices.mass, total, structure.name)
+        work = group["count"] * group["K_eff_kN_mm"] * group["design_displacement_mm"] ** 2
+        ratio = float((work * group["h_eff"]).sum() / work.sum())
+        rows.append(
+            dict(zip(("bearing", "ambient_degC"), key, strict=True))
+            | {
+                "effective_period_s": float(2.0 * math.pi / modes.frequencies[0]),
+                "effective_damping_ratio": ratio,
+                "B_L": damping_factor().at(ratio),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _prepared_structure(result: "EarthquakeResult") -> Prepared:
+    """Return the structure of a result with its matrices and modes, as it was analysed."""
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    structure = validated(Structure, case["structure"], "structure")
+    analysis = case["analysis"]
+    return prepare_structure(structure, analysis.get("mass", "consistent"), analysis.get("damping"))
+
+
+def hysteretic_ratios(
+    result: "EarthquakeResult", lines: "pd.DataFrame"
+) -> dict[str, NDArray[np.float64]]:
+    """Return the equivalent damping ratios of the bearings in each mode, by bearing.
+
+    xi_i = sum h_eff phi_i^T K_line phi_i / (phi_i^T K phi_i) over the lines of `line_properties` at
+    the warmest temperature, in the modes with equivalent stiffness. None where the modes of a
+    result are those of one direction of a structure in plan.
+    """
+    prepared = _prepared_structure(result)
+    structure, modes = prepared.structure, prepared.modes
+    equivalent = np.array([line.equivalent_stiffness for line in structure.bearings])
+    ratios: dict[str, NDArray[np.float64]] = {}
+    if len(modes.frequencies) != len(np.atleast_1d(result.dataset.attrs["periods_s"])):
+        return ratios
+    warmest = lines[lines["ambient_degC"] == lines["ambient_degC"].max()]
+    for name, group in warmest.groupby("bearing", sort=False):
+        ratio_by_line = dict(zip(group["line"], group["h_eff"], strict=True))
+        line_ratios = np.array([ratio_by_line.get(line.name, 0.0) for line in structure.bearings])
+        lossy = line_stiffness(structure, prepared.matrices, equivalent * line_ratios)
+        # The shapes have unit modal mass, so that phi^T K phi is the squared frequency.
+        shapes = modes.shapes
+        ratios[str(name)] = np.einsum("ni,nm,mi->i", shapes, lossy, shapes) / modes.frequencies**2
+    return ratios
+
+
+def link_text(lines: "pd.DataFrame") -> str:
+    """Return the properties as link elements of other programs take them, in kN and m.
+
+    SAP2000 and CSiBridge: link of type "Rubber Isolator", directions U2 and U3; midas Civil:
+    general link of type "Lead Rubber Bearing Isolator", directions y and z. The yield strength is
+    Q_d K_1/(K_1 - K_d).
+    """
+    text = [
+        "Properties of one bearing in kN and m, at its design displacement and temperature.",
+        "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
+        "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
+    ]
+    if note := initial_stiffness_note(lines):
+        text += [*textwrap.wrap(note, 79)]
+    for row in lines.to_dict("records"):
+        loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
+        assumed = " (assumed)" if row["kind"] else ""
+        values = [
+            ("design displacement", row["design_displacement_mm"] / KILO, "m"),
+            ("effective stiffness", KILO * row["K_eff_kN_mm"], "kN/m"),
+            ("effective damping ratio", row["h_eff"], ""),
+            (f"stiffness before yielding{assumed}", KILO * row["K_1_kN_mm"], "kN/m"),
+            ("yield strength", loop.yield_force, "kN"),
+            (f"post-yield stiffness ratio{assumed}", row["K_d_kN_mm"] / row["K_1_kN_mm"], ""),
+            ("vertical stiffness", KILO * row["K_v_kN_mm"], "kN/m"),
+        ]
+        text.append(
+            f"\n{row['line']}: {row['count']} bearings {row['line_bearing']} at "
+            f"{row['ambient_degC']:g} degC"
+        )
+        if state := cycle_note(row):
+            text += textwrap.wrap(state, 79, initial_indent="  ", subsequent_indent="  ")
+        text += [
+            f"  {name:37}{value:12.5g} {unit}".rstrip()
+            for name, value, unit in values
+            if not math.isnan(value)  # the vertical stiffness of a bilinear bearing
+        ]
+    return "\n".join(text) + "\n"
+
+
+def periods_table(
+    result: "EarthquakeResult",
+    hysteretic: Mapping[str, Floats] | None = None,
+    mode_limit: int | None = None,
+) -> tuple[Table, "pd.DataFrame"]:
+    """Return the first modes as a table, and all of them as a frame; empty without a run.
+
+    Their periods and viscous damping ratios are those with equivalent stiffness. `hysteretic` are
+    ratios by bearing (`hysteretic_ratios`), `mode_limit` is how many modes the table has.
+    """
+    attrs = result.dataset.attrs
+    if "periods_s" not in attrs:
+        return make_table(pd.DataFrame()), pd.DataFrame()
+    frame = pd.DataFrame({"period_s": np.atleast_1d(attrs["periods_s"])})
+    frame["damping_ratio"] = np.atleast_1d(attrs["damping_ratios"])
+    frame.insert(0, "mode_number", range(1, len(frame) + 1))
+    period = quantity("period_s", head="Period, equivalent stiffness", form=".3f")
+    columns: list[str | Quantity] = ["mode_number", period]
+    columns.append(quantity("damping_ratio", head="Viscous damping ratio"))
+    sentences: list[str] = []
+    if hysteretic:
+        sentences.append(
+            "Hysteretic damping of the bearings, equivalent at their design displacement and the "
+            "warmest temperature, by their share in the strain energy of the mode; it is not in "
+            "the viscous ratio."
+        )
+    for name, ratios in (hysteretic or {}).items():
+        frame[f"hysteretic_{name}"] = ratios
+        ratio = quantity("damping_ratio", head=f"Hysteretic damping ratio, {name}")
+        columns.append(replace(ratio, name=f"hysteretic_{name}"))
+    for name in dict.fromkeys(result["bearing"].values.tolist()):
+        frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
+        columns.append(replace(period, name=name, head=f"Initial period, {name}"))
+    sentences.append(
+        "Initial periods use the stiffness of the bearings before yielding, at the temperature of "
+        "the first run."
+    )
+    if mode_limit is not None and len(frame) > mode_limit:
+        sentences.append(f"The first {mode_limit} of {len(frame)} modes; all are in {MODES_FILE}.")
+    caption = "Natural periods and damping" if hysteretic else "Natural periods and viscous damping"
+    if result.directions and not result.in_plan:
+        caption += f" along {result.directions[0]}"
+    shown = frame.head(mode_limit or len(frame))
+    return make_table(shown, columns, caption, note=" ".join(sentences)), frame

@@ -1,0 +1,222 @@
+"""The certificate of a calibration: one page for a laboratory to sign."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
+from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.identify.properties import brief_properties
+from thermobearing.identify.report import (
+    BRIEF,
+    CLOSING,
+    LOOPS,
+    Row,
+    parameters_table,
+    rounded_range,
+    valid_for,
+)
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import (
+    counted,
+    degrees,
+    first_sentences,
+    joined,
+    number,
+    percent,
+    tidy,
+)
+from thermobearing.report import content
+from thermobearing.report.content import TESTS
+from thermobearing.report.pieces import Pieces, ReportFigure
+from thermobearing.reported import bearing_words
+from thermobearing.results.base import COMPLETED
+from thermobearing.results.directory import IDENTIFIED
+from thermobearing.results.saved import SavedResult
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SIGNED = ("Tested by", "Calibrated by", "Approved by")
+# Of all tables on the page of a certificate with a title block and a logo, and of the lines of its
+# statements beyond the usual ones.
+PAGE_ROWS = 22
+OF_A_TABLE = 4  # rows that caption and heads of a table take
+LINE = 95  # letters of a statement in one line of the page
+USUAL_LINES = 5  # of the range, the digest and one more
+MOST_WARNINGS = 3  # that are listed
+NARROW = 14  # letters of a name in the table of tests that do not break
+MOST_LOOPS = 3  # panels of its figure
+FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.0  # of the figure [inch], and where the page is full
+ABOUT = ["test", "specimen", "laboratory", "date", "ambient_degC", "rubber_before", "cycles_found"]
+ABOUT += ["largest_strain", "largest_speed_mm_s", "R2"]
+
+
+def build_certificate(saved: SavedResult) -> Pieces:
+    """Return the pieces of the certificate of a calibration, which fills one page.
+
+    Raises InputError for anything but a completed calibration.
+    """
+    summary = saved.summary
+    if saved.command != "identify" or "parameters" not in summary:
+        raise InputError("only a calibration (`identify`) has a certificate", str(saved.path))
+    outcome = str(summary["outcome"])
+    if outcome != COMPLETED:
+        reason = f"{outcome.replace('_', ' ')}: {summary['sentence']}"
+        raise InputError(f"there is no certificate of this calibration ({reason})", str(saved.path))
+    bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
+    named = {**bearing, "name": summary["bearing"]}
+    tests = [str(record["name"]) for record in summary["records"]]
+    parameters = replace(parameters_table(summary, BRIEF), note="")
+    tables = {"tests": _certified_tests(summary["records"])}
+    identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
+    digests = [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
+    held_out = _certified_held_out(summary.get("held_out") or {})
+    answer = [*_certified_range(bearing), *held_out, *digests, *_certified_warnings(saved.warnings)]
+    lines = sum(1 + len(text) // LINE for text in answer)
+    broken = sum(_is_broken(record) for record in summary["records"])
+    properties = brief_properties(summary.get("properties") or [])
+    # The certificate is one page: the cycles take the rows that the other tables leave.
+    room = PAGE_ROWS - len(tests) - broken - len(parameters.rows) - max(0, lines - USUAL_LINES)
+    room -= len(properties.rows) + OF_A_TABLE if properties.rows else 0
+    cycles = _certified_rows(saved["cycles"]) if "cycles" in saved.tables else None
+    if cycles is not None and room >= max(len(tests), cycles["test"].nunique()):
+        tables["cycles"] = _certified_cycles(cycles, room)
+    elif cycles is not None:
+        tables["tests"] = replace(tables["tests"], caption="Tests (their cycles: cycles.csv)")
+    tables |= {"properties": properties} if properties.rows else {}
+    tables["parameters"] = parameters
+    height = FIGURE_HEIGHT if room >= 0 else LEAST_HEIGHT
+    return Pieces(
+        command="certificate",
+        title=f"Calibration certificate of {summary['bearing']}",
+        question=f"The model of the bearing {bearing_words(named)} was calibrated to "
+        f"{counted(len(tests), 'test')} ({joined(tests)}). "
+        "Its parameters are valid for bearings of the same rubber compound.",
+        answer=answer,
+        tables=tables,
+        figures={"loops": _certified_loops(saved, height)} if "fit" in saved.tables else {},
+        identity=identity,
+        signatures=SIGNED,
+        one_page=True,
+    )
+
+
+def _certified_tests(records: Sequence[Row]) -> Table:
+    """Return what each test was: specimen, laboratory, temperature, rubber before, cycles."""
+    words = {True: "scragged", False: "virgin", None: "not stated"}
+    rows = []
+    for record in records:
+        ambient = round(record["ambient_degC"], 2)  # the mean of a column has all its digits
+        row = {"test": record["name"], "ambient_degC": ambient, "R2": record["R2"]}
+        conditions = record["conditions"]
+        row |= {"rubber_before": words[conditions.get("scragged")]}
+        rows.append(conditions | row | {"cycles_found": len(record["cycles"])})
+    heads = {"rubber_before": "Rubber before"}
+    return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, keep_keys=True)
+
+
+def _is_broken(record: Row) -> bool:
+    """Return whether the row of a test breaks into two lines."""
+    names = [record["name"], *(record["conditions"].get(key, "") for key in ("specimen", "date"))]
+    names.append(record["conditions"].get("laboratory", ""))
+    return any(len(str(name)) > NARROW for name in names)
+
+
+def _certified_held_out(held_out: Row) -> list[str]:
+    """Return a statement on each test that was held out, with its errors and limits."""
+    statements = []
+    for test in held_out.get("tests", []):
+        if test["role"] != "held out":
+            continue
+        errors = [
+            f"{name} {number(100.0 * test[f'{name}_error'], '+.1f')} % (limit {percent(limit)})"
+            for name, limit in held_out["limits"].items()
+            if test.get(f"{name}_error") is not None
+        ]
+        whose = f"Held out of fold {test['fold']}" if test.get("fold") else "Held out"
+        statements.append(
+            f"{whose}: {test['test']} at {degrees([test['ambient_degC']])}; largest errors: "
+            f"{joined(errors) or 'not known'}."
+        )
+    return statements
+
+
+def _certified_warnings(warnings: Sequence[str]) -> list[str]:
+    """Return the first sentences of some warnings, and how many more the report lists."""
+    shown = [first_sentences(f"Warning: {tidy(text)}", LINE) for text in warnings[:MOST_WARNINGS]]
+    remaining = len(warnings) - len(shown)
+    if remaining:
+        shown.append(f"{counted(remaining, 'more warning')} in report.html.")
+    return shown
+
+
+def _certified_rows(cycles: "pd.DataFrame") -> "pd.DataFrame":
+    """Return the cycles of all tests; tests that were held out say so in their name."""
+    roles = cycles["bearing"].astype(str).str.partition(", ")[2]
+    tests = cycles["test"].astype(str)
+    return cycles.assign(test=tests.where(roles != "held out", tests + " (held out)"))
+
+
+def _certified_cycles(cycles: "pd.DataFrame", room: int) -> Table:
+    """Return K_eq, Q_d and h_eq of cycles in test and model, in as many rows as there is room."""
+    groups = [rows for _, rows in cycles.groupby("test", sort=False)]
+    limit = max(1, room // len(groups))
+    frame = pd.concat(
+        rows.iloc[np.linspace(0, len(rows) - 1, min(limit, len(rows))).round().astype(int)]
+        for rows in groups
+    )
+    frame["cycle_displacement_mm"] = 0.5 * (frame["D+_mm"] - frame["D-_mm"])
+    names = ["test", "ambient_degC", "cycle", "cycle_displacement_mm"]
+    for name in ("K_eq", "Q_d", "h_eq"):
+        names += [f"{name}_test", f"{name}_model"]
+    notes = []
+    if len(frame) < len(cycles):
+        listed = f"At most {counted(limit, 'cycle')} of each test, spread evenly from the first to "
+        notes.append(f"{listed}the last; cycles.csv has all {len(cycles)}.")
+    notes += [CLOSING] * any(rows["cycle"].max() > len(rows) for rows in groups)
+    caption = "Cycles in test and model"
+    return make_table(frame, names, caption, keys=3, note=" ".join(notes), keep_keys=True)
+
+
+def _certified_range(bearing: Row) -> list[str]:
+    """Return a statement on the conditions that the parameters are valid for."""
+    ranges = bearing.get("tested_range") or {}
+    valid = valid_for(bearing)
+    if not valid:
+        return []
+    conditions = []
+    for name, ends in ranges.items():
+        text = rounded_range(ends)
+        if name == "strain_rate":
+            conditions.append(f"strain rates of {'' if ' to ' in text else 'about '}{text}")
+        elif name == "cycles":
+            conditions.append(f"up to {rounded_range(ends[-1:])} cycles in a row")
+        elif name not in ("strain", "ambient"):
+            conditions.append(f"a {TESTS[name]} of {text}")
+    return [f"{valid}, {joined(conditions)}." if conditions else f"{valid}."]
+
+
+def _certified_loops(saved: SavedResult, height: float) -> ReportFigure:
+    """Return the loops of tests and model, in panels side by side, `height` inches high."""
+    records = saved.summary["records"]
+    some = f", {MOST_LOOPS} of {len(records)} tests" if len(records) > MOST_LOOPS else ""
+
+    def _draw() -> "Figure":
+        from thermobearing.results import drawing
+
+        groups = list(saved["fit"].groupby("record", sort=False))[:MOST_LOOPS]
+        figure, axes = drawing.panels(1, len(groups), (7.0, height), "")
+        for ax, (k, rows) in zip(axes, groups, strict=True):
+            record = records[int(str(k))]
+            for (_, column, colour), width in zip(LOOPS, (2.4, 0.8), strict=True):
+                ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
+            title = str(record["name"])  # the table of tests has its temperature
+            drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
+        return figure
+
+    caption = f"Loops of the test (grey band) and the model (red line){some}."
+    return ReportFigure(caption, draw=_draw)

@@ -1,0 +1,206 @@
+"""Histories of served bearings: recorded step by step, in memory and in a file.
+
+A server may run for days and may be killed. Committed steps are therefore moved from memory into a
+temporary file, which outlives the process: whoever notices its end (`keeper`, or the script that
+started it) reads the histories from there. The file is a sequence of pickled `Part`s of histories,
+written by this program only and readable by its user only.
+"""
+
+import pickle
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from itertools import groupby
+from typing import IO, Any, NamedTuple
+
+import numpy as np
+
+from thermobearing.core.records import Floats
+from thermobearing.model.element import BearingElement
+
+ROWS_IN_MEMORY = 512  # of a bearing, before they are written
+JOURNAL = "histories"  # the file of a server that is a child, in the folder of its parent
+
+
+class Served(NamedTuple):
+    """The history of one bearing in one direction, from the start or a reset to the end."""
+
+    tag: int
+    pair: int  # place of the bearing in its element, from 1
+    direction: int
+    run: int  # 1, and one more for each reset or new element of the same tag
+    outcome: str
+    time: Floats  # of the model
+    books: dict[str, Floats]  # of core.types.Books; energies are those of both directions
+    rubber: Floats  # temperatures of the layers [degC]
+    initial: Floats  # temperatures of the cells [degC]
+    final: Floats
+
+
+class Label(NamedTuple):
+    """Which bearing a history is of; see `Served`."""
+
+    tag: int
+    pair: int
+    directions: tuple[int, ...]
+    run: int
+
+
+class Part(NamedTuple):
+    """Consecutive committed steps of one bearing."""
+
+    history: int  # number of the history in its journal
+    label: Label
+    outcome: str
+    time: Floats
+    books: Any  # records of core.types.Books
+    rubber: Floats
+    initial: Floats
+    final: Floats  # after the last of these steps
+    discarded: bool = False  # the history is not wanted: a gravity stage before a reset
+
+
+class Journal:
+    """A file of histories, of which every part is complete or absent."""
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file = file
+        self._histories = 0
+        self.problem = ""  # why histories remain in memory
+
+    def new_history(self) -> int:
+        """Return the number of another history."""
+        self._histories += 1
+        return self._histories
+
+    def append(self, part: Part) -> int | None:
+        """Write a part and return its place; None if it must remain in memory (full disk)."""
+        if self.problem:
+            return None
+        try:
+            place = self._file.seek(0, 2)
+            self._file.write(pickle.dumps(part))
+            self._file.flush()
+        except OSError as error:
+            # What follows a part that was written by half could not be read again.
+            self.problem = f"histories are kept in memory: {error.strerror or error}"
+            return None
+        return place
+
+    def read(self, places: Iterable[int]) -> list[Part]:
+        """Return the parts at some places."""
+        parts = []
+        for place in places:
+            self._file.seek(place)
+            parts.append(pickle.load(self._file))
+        return parts
+
+    def histories(self) -> list[Served]:
+        """Return all histories in the file, in the order in which they began."""
+        self._file.seek(0)
+        parts = sorted(self._parts(), key=lambda part: part.history)
+        served = []
+        for _, group in groupby(parts, key=lambda part: part.history):
+            of_history = list(group)
+            if not of_history[-1].discarded:
+                served += merge(of_history)
+        return served
+
+    def _parts(self) -> Iterator[Part]:
+        with suppress(EOFError, pickle.UnpicklingError):  # the end, or a part written by half
+            while True:
+                yield pickle.load(self._file)
+
+
+def merge(parts: Sequence[Part]) -> list[Served]:
+    """Return the history of a bearing, in each direction, from its parts in a row."""
+    last = parts[-1]
+    book_table = np.concatenate([part.books for part in parts])
+    books = {name: book_table[name].copy() for name in book_table.dtype.names or ()}
+    time = np.concatenate([part.time for part in parts])
+    rubber = np.concatenate([part.rubber for part in parts])
+    return [
+        Served(
+            tag=last.label.tag,
+            pair=last.label.pair,
+            direction=direction,
+            run=last.label.run,
+            outcome=last.outcome,
+            time=time,
+            books={
+                key: column[:, place] if column.ndim > 1 else column
+                for key, column in books.items()
+            },
+            rubber=rubber,
+            initial=last.initial,
+            final=last.final,
+        )
+        for place, direction in enumerate(last.label.directions)
+    ]
+
+
+class Recording:
+    """The ends of all committed steps of a bearing."""
+
+    def __init__(self, label: Label, bearing: BearingElement, journal: Journal | None) -> None:
+        self.label, self._journal = label, journal
+        cells = bearing.constants.layer_cells
+        self._upper, self._lower = cells["upper_middle"], cells["lower_middle"]
+        self._initial = bearing.state.temperature.copy()
+        self._final = self._initial
+        self._history = 0 if journal is None else journal.new_history()
+        self._rows: list[tuple[float, Any, Floats]] = []  # time, books, rubber
+        self._places: list[int] = []  # of the parts in the journal
+        self._start = bearing.state.books["displacement"].copy()
+        self._no_books = bearing.state.books[:0].copy()
+        self.displaced = False  # a gravity stage alone leaves no history
+        self.outcome = "completed"
+        self.keep(0.0, bearing)
+
+    def keep(self, time: float, bearing: BearingElement) -> None:
+        """Append the committed state."""
+        state = bearing.state
+        rubber = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
+        self._rows.append((time, state.books.copy(), rubber))
+        self._final = state.temperature.copy()
+        if not self.displaced:
+            self.displaced = bool((state.books["displacement"] != self._start).any())
+        if len(self._rows) >= ROWS_IN_MEMORY:
+            self.flush()
+
+    def flush(self) -> None:
+        """Move the steps in memory into the journal, if there is one."""
+        if self._journal is None or not self._rows:
+            return
+        place = self._journal.append(self._part())
+        if place is not None:
+            self._places.append(place)
+            self._rows = []
+
+    def discard(self) -> None:
+        """Mark the steps in the journal as not wanted."""
+        if self._journal is not None and self._places:
+            self._journal.append(self._part()._replace(discarded=True))
+
+    def served(self) -> list[Served]:
+        """Return the history so far, in each direction."""
+        earlier = [] if self._journal is None else self._journal.read(self._places)
+        return merge([*earlier, self._part()])
+
+    def _part(self) -> Part:
+        """Return the steps in memory; none where all have been written."""
+        time = np.array([row[0] for row in self._rows])
+        books: Any = self._no_books
+        rubber = np.empty((0, len(self._upper)))
+        if self._rows:
+            books = np.concatenate([row[1] for row in self._rows])
+            rubber = np.array([row[2] for row in self._rows])
+        return Part(
+            history=self._history,
+            label=self.label,
+            outcome=self.outcome,
+            time=time,
+            books=books,
+            rubber=rubber,
+            initial=self._initial,
+            final=self._final,
+        )

@@ -1,0 +1,357 @@
+"""Axial forces of the bearings of a line: equilibrium of a rigid section of the deck, and peaks.
+
+The section rests on bearings at places y_i, with shortenings v + theta y_i:
+
+    sum P_i + m (v'' - a) + c v' = W,     sum P_i y_i = F H + 1/2 sum P_i x
+
+(dead load W, vertical ground acceleration a upwards, shear F of the line at the height H of its
+inertia, sway x; y_i from their centre). It is solved after each horizontal step; what the axial
+forces take from the shear (`reduction`) is that of the start of the next one, so that it is a
+constant of the horizontal equations.
+"""
+
+from thermobearing.core.axial import (
+    Column,
+    buckling_load,
+    cavitated_strength,
+    compliance,
+    counted_overlap,
+    stiffness_reduction,
+    tension,
+    vertical_stiffness,
+)
+from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
+from thermobearing.core.records import Rows
+from thermobearing.core.step import begin, set_stiffness
+from thermobearing.core.types import Constants, State, Workspace
+from thermobearing.core.vector import across, along_x
+from thermobearing.structure.types import LineFactors, Motion, Section, Support, System
+
+MOST_ITERATIONS, MOST_HALVINGS = 60, 40
+TOLERANCE = 1e-11  # of the unbalanced force, over the dead load
+FLOATING = 1e-12  # stiffness of a section that has left all bearings, over that in compression
+ENOUGH = 0.5  # slope along a correction, over that at its start, which ends its halving
+
+
+@compiled
+def begin_section(
+    system: System, a: int, constants: Constants, work: Workspace, state: State
+) -> None:
+    """`begin` of the bearing of a line, and what axial forces take from its shear in the step."""
+    sections = system.sections
+    section, column = sections.sections[a], sections.columns[a]
+    line = system.lines[section.line]
+    rubber = constants.rubber
+    if rubber.virgin:
+        # Moduli under an axial force are those of scragged rubber.
+        set_stiffness(rubber, constants.law, constants.layer_cells, state.temperature, work.layers)
+    else:
+        begin(constants, work, state)
+    layers = work.layers
+    c, g, softest = compliance(column, constants.multiplicity, layers.elastic, layers.hysteretic)
+    if rubber.virgin:
+        begin(constants, work, state)
+    section.compression, section.shear, section.softest = c, g, softest
+    section.x, section.y = (
+        along_x(state.books[0].displacement),
+        across(state.books[0].displacement),
+    )
+    overlap = 1.0
+    if column.by_overlap == 1:
+        overlap = counted_overlap(column, section.x, section.y)
+    set_reduction(section, column, line, sections.supports, overlap)
+
+
+@compiled
+def set_reduction(
+    section: Section, column: Column, line: LineFactors, supports: Rows[Support], overlap: float
+) -> None:
+    """Set kappa of a line, the sum over its bearings [kN/mm]."""
+    total_x, total_y = 0.0, 0.0
+    for i in range(section.first, section.last):
+        # A specimen at a scale carries its share of the axial force.
+        force = section.scale * section.scale * supports[i].axial_force
+        kappa_x, kappa_y = stiffness_reduction(column, section.compression, force, overlap)
+        total_x += kappa_x
+        total_y += kappa_y
+    line.reduction_x, line.reduction_y = total_x / section.scale, total_y / section.scale
+
+
+@compiled
+def vertical_law(column: Column, section: Section) -> tuple[float, float]:
+    """Stiffness in compression [kN/mm] and cavitation force [kN] of a bearing in a step.
+
+    Both have the displacement and the temperatures of the start of the step.
+    """
+    s = section.scale
+    stiffness = vertical_stiffness(column, section.compression, section.x, section.y) / s
+    return stiffness, column.cavitation * section.softest * column.area / (s * s)
+
+
+@compiled
+def bearing_force(
+    column: Column,
+    section: Section,
+    shortening: float,
+    stiffness: float,
+    strength: float,
+    memory: float,
+) -> tuple[float, float]:
+    """Axial force [kN] and tangent [kN/mm] of a bearing of a section."""
+    if section.dowelled == 1:
+        lifted = shortening < 0.0
+        return select(lifted, 0.0, stiffness * shortening), select(lifted, 0.0, stiffness)
+    # The law of the modelled bearing, whose lengths are `scale` of those of the structure.
+    s = section.scale
+    pulled, slope = tension(column, -s * shortening, s * stiffness, s * s * strength, memory)
+    return -pulled / (s * s), slope / s
+
+
+@compiled
+def section_forces(
+    column: Column,
+    section: Section,
+    supports: Rows[Support],
+    stiffness: float,
+    strength: float,
+    shortening: float,
+    roll: float,
+) -> tuple[float, float, float, float, float]:
+    """Sum of axial forces, their moment, and the tangent (three numbers) of a section."""
+    force, moment, by_v, by_both, by_roll = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(section.first, section.last):
+        place = supports[i].place
+        pressed, tangent = bearing_force(
+            column,
+            section,
+            supports[i].offset + shortening + roll * place,
+            stiffness,
+            strength,
+            supports[i].memory,
+        )
+        force += pressed
+        moment += pressed * place
+        by_v += tangent
+        by_both += tangent * place
+        by_roll += tangent * place * place
+    return force, moment, by_v, by_both, by_roll
+
+
+@compiled
+def solve_section(
+    column: Column,
+    section: Section,
+    supports: Rows[Support],
+    stiffness: float,
+    strength: float,
+    moment: float,
+    ground: float,
+    dt: float,
+) -> tuple[float, float, float, bool]:
+    """Equilibrium of a section at the end of a step of `dt`.
+
+    Returns the shortening [mm], the roll [rad], the iterations, and whether it was found. Its
+    potential is convex; a correction that passes its minimum along the line is halved.
+    """
+    count, span = section.last - section.first, 0.0
+    for i in range(section.first, section.last):
+        span += supports[i].place * supports[i].place
+    by_a, by_v = 4.0 / (dt * dt), 2.0 / dt
+    inertia = section.mass * by_a + section.damping * by_v
+    # m v'' + c v' of the end is `inertia` v less what the start of the step gives.
+    start_a = by_a * (section.shortening + dt * section.velocity) + section.acceleration
+    start_v = by_v * section.shortening + section.velocity
+    load = section.weight + section.mass * (ground + start_a) + section.damping * start_v
+    floor = FLOATING * stiffness
+    v, roll = section.shortening, section.roll
+    p, m, k, kr, krr = section_forces(column, section, supports, stiffness, strength, v, roll)
+    force, turn = p + inertia * v - load, m - moment
+    arm = (span / count) ** 0.5
+    limit = TOLERANCE * (section.weight + abs(moment) / select(arm > 0.0, arm, 1.0))
+    iterations = 0.0
+    balanced = (abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0))
+    for _ in range(MOST_ITERATIONS):
+        if all_lanes(balanced):
+            break
+        iterations += select(balanced, 0.0, 1.0)
+        a11, a12 = k + inertia + floor * count, kr
+        a22 = krr + floor * span
+        a22 = select(span > 0.0, a22, 1.0)
+        determinant = a11 * a22 - a12 * a12
+        dv = -(a22 * force - a12 * turn) / determinant
+        droll = select(span > 0.0, -(a11 * turn - a12 * force) / determinant, 0.0)
+        slope = force * dv + turn * droll
+        part, settled = 1.0, balanced
+        for _ in range(MOST_HALVINGS):
+            next_v = v + part * dv
+            next_roll = roll + part * droll
+            p, m, k, kr, krr = section_forces(
+                column, section, supports, stiffness, strength, next_v, next_roll
+            )
+            next_force, next_turn = p + inertia * next_v - load, m - moment
+            settled = settled | (next_force * dv + next_turn * droll <= -ENOUGH * slope)
+            if all_lanes(settled):
+                break
+            part = select(settled, part, 0.5 * part)
+        v = select(balanced, v, v + part * dv)
+        roll = select(balanced, roll, roll + part * droll)
+        p, m, k, kr, krr = section_forces(column, section, supports, stiffness, strength, v, roll)
+        force, turn = p + inertia * v - load, m - moment
+        balanced = balanced | ((abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0)))
+    return v, roll, iterations, balanced
+
+
+@compiled
+def commit_section(system: System, a: int, moment: float, ground: float, dt: float) -> bool:
+    """Move a section to the equilibrium at the end of a step; returns whether there is one."""
+    sections = system.sections
+    section, column, books = sections.sections[a], sections.columns[a], sections.books[a]
+    supports = sections.supports
+    stiffness, strength = vertical_law(column, section)
+    v, roll, iterations, balanced = solve_section(
+        column, section, supports, stiffness, strength, moment, ground, dt
+    )
+    dv = v - section.shortening
+    mean_ground = 0.5 * (ground + section.ground)
+    books.weight += section.weight * dv
+    books.overturning += 0.5 * (moment + section.moment) * (roll - section.roll)
+    books.vertical_input += section.mass * mean_ground * dv
+    velocity = 2.0 / dt * dv - section.velocity
+    acceleration = 4.0 / (dt * dt) * (dv - dt * section.velocity) - section.acceleration
+    books.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * dv
+    books.vertical_kinetic = 0.5 * section.mass * velocity * velocity
+    books.iterations += iterations
+    for i in range(section.first, section.last):
+        support = supports[i]
+        shortening = support.offset + v + roll * support.place
+        force, _ = bearing_force(column, section, shortening, stiffness, strength, support.memory)
+        moved = shortening - support.shortening
+        books.axial_work += 0.5 * (force + support.axial_force) * moved
+        support.axial_force, support.shortening = force, shortening
+        support.memory = max(support.memory, -shortening * stiffness / strength)
+    section.shortening, section.roll = v, roll
+    section.velocity, section.acceleration = velocity, acceleration
+    section.moment, section.ground = moment, ground
+    return balanced
+
+
+@compiled
+def note_section(system: System, a: int, x: float, y: float, dt: float, falling: bool) -> None:
+    """Update the peaks of a section at the end of a step; x, y of the modelled bearing [mm]."""
+    sections = system.sections
+    section, column, peak = sections.sections[a], sections.columns[a], sections.peaks[a]
+    limit = critical_load_at(section, column, x, y)
+    stiffness, strength = vertical_law(column, section)
+    line_force, any_above = 0.0, limit < 0.0
+    for i in range(section.first, section.last):
+        support = sections.supports[i]
+        force = support.axial_force
+        number = float(i - section.first)
+        line_force += force
+        share = force / limit
+        any_above = any_above | (share > 1.0)
+        larger = share > peak.share
+        peak.share = select(larger, share, peak.share)
+        peak.share_bearing = select(larger, number, peak.share_bearing)
+        peak.share_time = select(larger, section.clock, peak.share_time)
+        peak.share_x = select(larger, (x * x + y * y) ** 0.5, peak.share_x)
+        peak.share_force = select(larger, force, peak.share_force)
+        peak.share_limit = select(larger, limit, peak.share_limit)
+        smaller = force < peak.least
+        peak.cavitation_force = select(smaller, strength, peak.cavitation_force)
+        peak.least = select(smaller, force, peak.least)
+        peak.least_bearing = select(smaller, number, peak.least_bearing)
+        peak.least_time = select(smaller, section.clock, peak.least_time)
+        support.largest = max(support.largest, force)
+        support.least = min(support.least, force)
+        pulled = -force / strength
+        if section.dowelled == 1:
+            pulled = 0.0 * force
+            peak.uplift = max(peak.uplift, -support.shortening)
+        else:
+            if any_lane(support.memory > 1.0):
+                weakened = cavitated_strength(column, strength, support.memory)
+                peak.damage = max(peak.damage, 1.0 - weakened / strength)
+            # The virgin curve rises beyond F_c, so that the extension says whether it cavitates.
+            pulled = max(
+                pulled, select(pulled > 0.0, -support.shortening * stiffness / strength, 0.0)
+            )
+        more = pulled > peak.tension
+        peak.tension = select(more, pulled, peak.tension)
+        peak.tension_time = select(more, section.clock, peak.tension_time)
+    peak.line_share = max(peak.line_share, line_force / (limit * (section.last - section.first)))
+    peak.exceeded += select(any_above, dt, 0.0)
+    begins = any_above & (peak.first < 0.0)
+    peak.first = select(begins, section.clock, peak.first)
+    peak.falling = select(falling & (peak.falling < 0.0), section.clock, peak.falling)
+
+
+@compiled
+def critical_load_at(section: Section, column: Column, x: float, y: float) -> float:
+    """Critical load of one bearing of a section at a displacement of the modelled one [kN]."""
+    s = section.scale
+    load = buckling_load(column, section.compression, section.shear)
+    return load * counted_overlap(column, x, y) / (s * s)
+
+
+@compiled
+def lend(system: System, motion: Motion) -> float:
+    """Work that axial forces give to the shear of all lines so far [kN mm], with this step."""
+    lent = 0.0
+    for a in range(len(system.sections.sections)):
+        section, books = system.sections.sections[a], system.sections.books[a]
+        line, stretch = system.lines[section.line], motion.stretches[section.line]
+        x, y = along_x(stretch), across(stretch)
+        before_x, before_y = section.x / section.scale, section.y / section.scale
+        # Trapezoidal, as all works of the structure, whose balance then closes to rounding.
+        taken_x, taken_y = line.reduction_x * x, line.reduction_y * y
+        books.lent += 0.5 * (section.taken_x + taken_x) * (x - before_x)
+        books.lent += 0.5 * (section.taken_y + taken_y) * (y - before_y)
+        section.taken_x, section.taken_y = taken_x, taken_y
+        lent += books.lent
+    return lent
+
+
+@compiled
+def press_line(
+    system: System, motion: Motion, a: int, force_x: float, force_y: float, ground: float, dt: float
+) -> None:
+    """Find the axial forces of a line at the end of a step, and note their extremes.
+
+    `force_x` and `force_y` are the shear of the line without axial forces [kN].
+    """
+    section = system.sections.sections[a]
+    line, stretch = system.lines[section.line], motion.stretches[section.line]
+    x, y = along_x(stretch), across(stretch)
+    section.clock += dt
+    if section.moves == 1:
+        shear, sway = force_x - line.reduction_x * x, x
+        if section.across == 1:
+            shear, sway = force_y - line.reduction_y * y, y
+        moment = section.dead_moment + 0.0 * shear
+        if section.overturns == 1:
+            compression = 0.0
+            for i in range(section.first, section.last):
+                compression += system.sections.supports[i].axial_force
+            moment += shear * section.height + 0.5 * compression * sway
+        balanced = commit_section(system, a, moment, ground, dt)
+        system.sections.peaks[a].unbalanced += select(no(balanced), 1.0, 0.0)
+    s = section.scale
+    moved, before = s * s * (x * x + y * y), section.x * section.x + section.y * section.y
+    offset = section.largest_offset
+    falling = (line.tangent < 0.0) & (moved > before) & (moved > offset * offset)
+    note_section(system, a, s * x, s * y, dt, falling)
+
+
+@compiled
+def keep_section(system: System, row: int, motion: Motion) -> None:
+    """Write the axial forces of all bearings, and their critical loads, into one row."""
+    sections = system.sections
+    for i in range(len(sections.supports)):
+        sections.kept[row, i] = sections.supports[i].axial_force
+    for a in range(len(sections.sections)):
+        section = sections.sections[a]
+        stretch = motion.stretches[section.line]
+        x, y = section.scale * along_x(stretch), section.scale * across(stretch)
+        sections.limits[row, a] = critical_load_at(section, sections.columns[a], x, y)

@@ -1,0 +1,108 @@
+"""Causes of a misfit: faults of synthetic tests, and the first cause that a calibration names."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import get_type_hints
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.identify.case import IdentifyCase, IdentifyKeywords
+from thermobearing.identify.records.record import TestRecord
+
+BEARING = tb.load_bearing("shen-hdr-specimen")
+STEPS = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=4, rest=60.0)
+Records = list[TestRecord]
+
+
+def with_cells(rubber: int, shim: int) -> tb.Bearing:
+    cells = BEARING.cells.model_copy(update={"rubber": rubber, "shim": shim})
+    return BEARING.model_copy(update={"cells": cells})
+
+
+def make_records(bearing: tb.Bearing) -> Records:
+    return [
+        tb.synthetic_record(bearing, ambient, STEPS, noise=0.003, seed=5 + k)
+        for k, ambient in enumerate((-20.0, 23.0))
+    ]
+
+
+@pytest.fixture(scope="module")
+def records() -> Records:
+    return make_records(BEARING)
+
+
+def course(record: TestRecord) -> np.ndarray:
+    """Return a line through zero in the middle of the test, from -1/2 to 1/2."""
+    return np.asarray((record.time - record.time[0]) / np.ptp(record.time) - 0.5)
+
+
+def delayed(record: TestRecord) -> TestRecord:
+    force = np.interp(record.time - 0.06, record.time, record.force)
+    return replace(record, force=force)
+
+
+FAULTS: dict[str, tuple[Callable[[TestRecord], TestRecord], str]] = {
+    "force offset": (lambda r: replace(r, force=r.force + 3.0), "force_offset"),
+    "small force drift": (lambda r: replace(r, force=r.force + 3.0 * course(r)), "force_drift"),
+    "displacement offset": (
+        lambda r: replace(r, displacement=r.displacement + 2.0),
+        "displacement_offset",
+    ),
+    "displacement drift": (
+        lambda r: replace(r, displacement=r.displacement + 4.0 * (course(r) + 0.5)),
+        "displacement_drift",
+    ),
+    "delay": (delayed, "force_delay"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_the_first_cause_is_the_fault(records: Records, name: str) -> None:
+    change, key = FAULTS[name]
+    fit = tb.identify_bearing([change(record) for record in records], BEARING, starts=1)
+    suspects = fit.summary()["suspects"]
+    assert suspects[0]["key"] == key
+    assert suspects[0]["size"] > 0.0
+    heat = {"materials.rubber.conductivity", "materials.rubber.specific_heat"}
+    assert not heat & {item["key"] for item in suspects}
+
+
+def test_no_cause_is_named_without_a_fault(records: Records) -> None:
+    fit = tb.identify_bearing(records, BEARING, starts=1)
+    assert (fit.summary()["suspects"], fit.warnings) == ([], [])
+
+
+@pytest.mark.parametrize(("truth", "file"), [((2, 1), (6, 2)), ((6, 2), (2, 1))])
+def test_heat_cells_of_a_synthetic_record(truth: tuple[int, int], file: tuple[int, int]) -> None:
+    """They explain most, and other changes of heat nearly as much: all are possible causes."""
+    fit = tb.identify_bearing(make_records(with_cells(*truth)), with_cells(*file), starts=1)
+    first, second = fit.summary()["suspects"][:2]
+    assert (first["key"], second["key"]) == ("cells", "materials.rubber.conductivity")
+    assert first["size"] == pytest.approx(1.0, abs=0.15)
+
+
+def test_heat_cells_are_the_last_cause_of_another_thickness(records: Records) -> None:
+    geometry = BEARING.geometry
+    thicker = {"rubber_thickness": 1.2 * geometry.rubber_thickness}
+    bearing = BEARING.model_copy(update={"geometry": geometry.model_copy(update=thicker)})
+    keys = [item["key"] for item in tb.identify_bearing(records, bearing).summary()["suspects"]]
+    assert keys[0] == "materials.rubber.specific_heat"
+    assert "cells" not in keys[:-1]
+    assert "geometry.rubber_thickness" in keys
+
+
+def test_keywords_of_a_calibration_are_the_fields_of_its_case() -> None:
+    fields = get_type_hints(IdentifyCase)
+    del fields["records"], fields["bearing"]
+    assert get_type_hints(IdentifyKeywords) == fields
+
+
+def test_ambient_temperatures_of_sentences_have_four_digits(records: Records) -> None:
+    """The mean of the column of a chamber has all its digits."""
+    cold = replace(records[0], ambient=-20.000857)
+    fit = tb.identify_bearing(cold, BEARING, starts=1)
+    held = [sentence for sentence in fit.warnings if "m_T" in sentence]
+    assert held
+    assert not any("-20.000" in sentence for sentence in fit.warnings)

@@ -1,0 +1,277 @@
+"""Equivalent properties of bearing lines: against bilinear loops and closed forms."""
+
+import math
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.quick import quick_cases
+from tests.unit.test_lines_and_piers import MOTION, two_piers
+from thermobearing.bearing.exposure import Exposure, exposed
+from thermobearing.bearing.state import RubberState, in_state
+from thermobearing.border.schema import validated
+from thermobearing.cyclic.equivalent import (
+    isothermal_cycle,
+    post_yield_ratio,
+    stated_backbone,
+)
+from thermobearing.earthquake.properties import (
+    bridge_properties,
+    damping_factor,
+    hysteretic_ratios,
+    initial_stiffness_note,
+    line_properties,
+    link_text,
+    motions_for_mean,
+    periods_table,
+)
+from thermobearing.earthquake.report import build_pieces
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.structure.matrices import (
+    build_matrices,
+    find_modes,
+    hinge_stiffness,
+    line_stiffness,
+)
+from thermobearing.structure.model import Structure
+
+HDR, BILINEAR, LHDR = "shen-hdr-bridge", "shen-bilinear-bridge", "shen-lhdr-bridge"
+
+
+@pytest.fixture(scope="module")
+def pier() -> EarthquakeResult:
+    return tb.bridge([HDR, BILINEAR], ["jra-ii-i-1", "jra-ii-i-2"], [23, -20], duration=10)
+
+
+def test_a_bilinear_bearing_keeps_its_own_loop(pier: EarthquakeResult) -> None:
+    table = line_properties(pier)
+    row = table[table["bearing"] == BILINEAR].iloc[0]
+    displacement = row["design_displacement_mm"]
+    assert_allclose(row["K_eff_kN_mm"], row["Q_d_kN"] / displacement + row["K_d_kN_mm"])
+    yielding = row["Q_d_kN"] / (row["K_1_kN_mm"] - row["K_d_kN_mm"])
+    energy = 4.0 * row["Q_d_kN"] * (displacement - yielding)
+    assert_allclose(row["h_eff"], energy / (2.0 * np.pi * row["K_eff_kN_mm"] * displacement**2))
+
+
+def test_an_assumed_initial_stiffness_is_stated_beside_the_number(pier: EarthquakeResult) -> None:
+    table = line_properties(pier)
+    assert set(table.loc[table["bearing"] == HDR, "kind"]) == {"HDR"}
+    ratio = post_yield_ratio("HDR")
+    note = initial_stiffness_note(table)
+    assert f"{1.0 / ratio.K_2_over_K_1:.3g} (HDR)" in note
+    assert ratio.source in note
+    assert link_text(table).count("(assumed)") == 2 * int((table["kind"] == "HDR").sum())
+    bilinear = table[table["bearing"] == BILINEAR]
+    assert initial_stiffness_note(bilinear) == ""
+    assert "(assumed)" not in link_text(bilinear)
+
+
+def test_links_state_cycle_and_rubber(pier: EarthquakeResult) -> None:
+    """A bearing of tested rubber has the third cycle at all temperatures; a bilinear one none."""
+    lines = line_properties(pier)
+    layered = lines["bearing"] == HDR
+    assert set(lines.loc[layered, "cycle"]) == {3}
+    assert link_text(lines).count("third cycle, scragged rubber") == int(layered.sum())
+
+
+@pytest.mark.parametrize("temperature", quick_cases([23.0, -20.0], 1))
+def test_linear_rubber_with_lead_has_its_own_bilinear_loop(temperature: float) -> None:
+    """Q_d and K_d of the cyclic test at all displacements; K_1 is K_d and the lead."""
+    bearing = tb.load_bearing("lrb-example")
+    assert bearing.lead is not None
+    loops = []
+    for strain in (1.0, 1.75):
+        amplitude = strain * bearing.total_rubber_thickness
+        cycle = isothermal_cycle(bearing, strain, 100.0, temperature)
+        loop = stated_backbone(bearing, cycle, amplitude)
+        assert loop is not None
+        assert_allclose(loop.strength, cycle.characteristic_strength_kN, rtol=1e-3)
+        assert_allclose(loop.post_yield, cycle.post_yield_stiffness_kN_mm)
+        assert_allclose(loop.initial - loop.post_yield, bearing.lead.stiffness)
+        assert_allclose(loop.energy(amplitude), cycle.energy_kN_mm, rtol=1e-2)
+        loops.append(loop)
+    assert_allclose(loops[0].strength, loops[1].strength, rtol=1e-3)
+    assert_allclose(loops[0].post_yield, loops[1].post_yield, rtol=1e-3)
+    hardens = tb.load_bearing(HDR)
+    assert stated_backbone(hardens, isothermal_cycle(hardens, 1.0), 102.0) is None
+
+
+def two_lines(bearing: str, *, other: str | None = None) -> EarthquakeResult:
+    """Two lines with different displacements: one pier is stiff, the other yields."""
+    structure = validated(Structure, two_piers(), "test")
+    lines = [{"line": "on A", "bearing": other}] if other else []
+    settings = {"structure": structure, "lines": lines}
+    return tb.bridge(bearing, ambient=[23.0, -20.0], **MOTION, **settings)
+
+
+@pytest.mark.parametrize(("name", "kind"), quick_cases([("lrb-example", ""), (LHDR, "LHDR")], 1))
+def test_lines_with_the_same_bearing_have_one_loop(name: str, kind: str) -> None:
+    lines = line_properties(two_lines(name))
+    assert set(lines["kind"]) == {kind}
+    for _, group in lines.groupby("ambient_degC"):
+        assert np.ptp(group["design_displacement_mm"]) > 0.01
+        if not kind:
+            assert_allclose(group["Q_d_kN"], group["Q_d_kN"].iloc[0], rtol=0.02)
+            assert_allclose(group["K_d_kN_mm"], group["K_d_kN_mm"].iloc[0], rtol=0.02)
+            ratio = group["K_1_kN_mm"] / group["K_d_kN_mm"]
+            assert_allclose(ratio, ratio.iloc[0], rtol=0.02)
+    if kind:
+        ratio = lines["K_1_kN_mm"] / lines["K_d_kN_mm"]
+        assert_allclose(ratio, ratio.iloc[0])
+
+
+def test_the_loop_has_peak_and_energy_of_the_bearing(pier: EarthquakeResult) -> None:
+    """At the largest displacement of the two motions, at the temperature and mean speed 4 D/T."""
+    table = line_properties(pier)
+    period = float(np.atleast_1d(pier.dataset.attrs["periods_s"])[0])
+    bearing = tb.load_bearing(HDR)
+    runs = pier.table[pier.table["bearing"] == HDR]
+    for ambient in (23.0, -20.0):
+        mine = table[(table["bearing"] == HDR) & (table["ambient_degC"] == ambient)]
+        (row,) = mine.to_dict("records")
+        strain = runs[runs["ambient_degC"] == ambient]["bearing_strain_max"].max()
+        displacement = strain * bearing.total_rubber_thickness
+        assert_allclose(row["design_displacement_mm"], displacement)
+        cycle = isothermal_cycle(bearing, strain, 4.0 * displacement / period, ambient)
+        assert_allclose(
+            row["Q_d_kN"] + row["K_d_kN_mm"] * displacement, cycle.stiffness_kN_mm * displacement
+        )
+        yielding = row["Q_d_kN"] / (row["K_1_kN_mm"] - row["K_d_kN_mm"])
+        assert_allclose(4.0 * row["Q_d_kN"] * (displacement - yielding), cycle.energy_kN_mm)
+    cold, warm = (
+        table[(table["bearing"] == HDR) & (table["ambient_degC"] == t)].iloc[0]
+        for t in (-20.0, 23.0)
+    )
+    assert cold["K_eff_kN_mm"] > warm["K_eff_kN_mm"]
+
+
+@pytest.mark.parametrize("stated_of_line", quick_cases([False, True], 1))
+def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
+    """With the exposure of the analysis, and with virgin rubber of the analysis or of the line."""
+    exposure = {"stiffness": 1.3, "strength": 1.5, "source": "test"}
+    state = (
+        {"lines": [{"line": "G1-G5", "state": "virgin"}]} if stated_of_line else {"state": "virgin"}
+    )
+    result = tb.bridge([HDR, BILINEAR], "jra-ii-i-1", -20, duration=6, exposure=exposure, **state)
+    rows = line_properties(result).set_index("bearing")
+    period = float(np.atleast_1d(result.dataset.attrs["periods_s"])[0])
+    moved = rows.loc[HDR, "design_displacement_mm"]
+    bearing = exposed(tb.load_bearing(HDR), Exposure(**exposure))
+    states = [(in_state(bearing, RubberState(rubber="virgin")), 1), (bearing, 3)]
+    cycles = [
+        isothermal_cycle(
+            device, moved / device.total_rubber_thickness, 4.0 * moved / period, -20.0, number
+        )
+        for device, number in states
+    ]
+    stiffness = rows.loc[HDR, "K_eff_kN_mm"]
+    assert_allclose(stiffness, cycles[0].stiffness_kN_mm)
+    assert stiffness > 1.3 * cycles[1].stiffness_kN_mm
+    assert_allclose(rows.loc[HDR, "over_scragged"], stiffness / cycles[1].stiffness_kN_mm)
+    assert (rows.loc[HDR, "cycle"], rows.loc[HDR, "rubber"]) == (1, "virgin")
+    # The peak force of the run, which warms, is that of the upper values within 5 %.
+    peak = result.table.set_index("bearing").loc[HDR, "bearing_force_max_kN"]
+    assert_allclose(stiffness * moved, peak, rtol=0.05)
+    text = link_text(line_properties(result))
+    assert "first cycle, virgin rubber" in text
+    assert f"{rows.loc[HDR, 'over_scragged']:.2f} times" in text
+    file = tb.load_bilinear(BILINEAR)
+    assert_allclose(rows.loc[BILINEAR, "Q_d_kN"], 1.5 * file.strength)
+    assert_allclose(rows.loc[BILINEAR, "K_d_kN_mm"], 1.3 * file.post_yield_stiffness)
+
+
+def test_the_bridge_has_the_ratio_of_its_lines_and_a_longer_period_when_warm(
+    pier: EarthquakeResult,
+) -> None:
+    lines = line_properties(pier)
+    bridges = bridge_properties(pier, lines).set_index(["bearing", "ambient_degC"])
+    for row in lines.to_dict("records"):
+        whole = bridges.loc[(row["bearing"], row["ambient_degC"])]
+        assert_allclose(whole["effective_damping_ratio"], row["h_eff"])
+        assert_allclose(whole["B_L"], min((row["h_eff"] / 0.05) ** 0.3, 1.7))
+    warm, cold = (bridges.loc[(HDR, t)]["effective_period_s"] for t in (23.0, -20.0))
+    assert warm > cold
+    # The deck alone on its bearings moves faster than with the flexible pier below them.
+    stiffness = 5.0 * lines[lines["bearing"] == HDR]["K_eff_kN_mm"].to_numpy(dtype=float)
+    deck = 2.0 * math.pi / np.sqrt(stiffness / mass_of_deck(pier))
+    assert np.all(np.array([warm, cold]) > deck)
+
+
+def test_modes_have_the_damping_of_the_bearings_by_their_strain_energy(
+    pier: EarthquakeResult,
+) -> None:
+    """What springs and hinges do not store of the energy of a mode, the bearings damp."""
+    lines = line_properties(pier)
+    found = hysteretic_ratios(pier, lines)
+    warm = lines[lines["ambient_degC"] == 23.0].set_index("bearing")["h_eff"]
+    case = tomllib.loads(pier.dataset.attrs["case"])
+    structure = validated(Structure, case["structure"], "structure")
+    matrices = build_matrices(structure, "consistent")
+    rigid = matrices.springs + hinge_stiffness(structure, matrices)
+    equivalent = np.array([line.equivalent_stiffness for line in structure.bearings])
+    modes = find_modes(matrices.mass, rigid + line_stiffness(structure, matrices, equivalent))
+    for name, ratios in found.items():
+        for k, (ratio, shape) in enumerate(zip(ratios, modes.shapes.T, strict=True)):
+            others = shape @ rigid @ shape / modes.frequencies[k] ** 2
+            assert_allclose(ratio, warm[name] * (1.0 - others), rtol=1e-9, atol=1e-12)
+    table, frame = periods_table(pier, found, mode_limit=3)
+    assert (len(table.rows), len(frame)) == (3, 4)
+    assert_allclose(frame[f"hysteretic_{HDR}"], found[HDR])
+    assert 0.3 * warm[HDR] < found[HDR][0] < 0.4 * warm[HDR]  # the foundation has the most
+
+
+def test_a_report_shows_ten_modes_and_writes_all(pier: EarthquakeResult) -> None:
+    many = {"periods_s": np.linspace(2.0, 0.1, 27), "damping_ratios": np.zeros(27)}
+    many |= {f"initial_periods_s:{name}": np.ones(27) for name in (HDR, BILINEAR)}
+    pieces = build_pieces(EarthquakeResult(pier.dataset.assign_attrs(many)))
+    assert len(pieces.tables["periods"].rows) == 10
+    assert len(pieces.files["modes.csv"].splitlines()) == 1 + 27
+
+
+def mass_of_deck(result: EarthquakeResult) -> float:
+    """Return the mass of the deck [kN s2/mm]."""
+    case = tomllib.loads(result.dataset.attrs["case"])
+    structure = validated(Structure, case["structure"], "structure")
+    return sum(one.mass for one in structure.masses if one.body == "deck")
+
+
+@pytest.mark.parametrize(("ratio", "factor"), [(0.05, 1.0), (0.1, 2.0**0.3), (0.5, 1.7)])
+def test_damping_factor(ratio: float, factor: float) -> None:
+    assert_allclose(damping_factor().at(ratio), factor)
+
+
+def test_means_count_from_seven_motions() -> None:
+    motions = [{"name": "jra-ii-i-1", "factor": f} for f in np.linspace(0.4, 0.7, 7)]
+    for number, measure in ((motions_for_mean(), np.mean), (motions_for_mean() - 1, np.max)):
+        result = tb.bridge(BILINEAR, motions[:number], 23, duration=8)
+        strain = measure(result.table["bearing_strain_max"].to_numpy(dtype=float))
+        (row,) = line_properties(result).to_dict("records")
+        moved = np.nanmax(np.abs(result["bearing_displacement"].values))
+        thickness = moved / np.nanmax(np.abs(result["bearing_strain"].values))
+        assert_allclose(row["design_displacement_mm"], strain * thickness, rtol=1e-5)
+
+
+def test_links_have_metres_and_the_yield_strength(pier: EarthquakeResult) -> None:
+    lines = line_properties(pier)
+    text = link_text(lines)
+    blocks = text.split("\n\n")[1:]
+    assert len(blocks) == len(lines)
+    for block, row in zip(blocks, lines.to_dict("records"), strict=True):
+        values = dict(re.findall(r"^  (\S.*?\S) {2,}(\S+)", block, re.MULTILINE))
+        share = row["K_d_kN_mm"] / row["K_1_kN_mm"]
+        assert_allclose(float(values["effective stiffness"]), 1e3 * row["K_eff_kN_mm"], rtol=1e-4)
+        assert_allclose(float(values["yield strength"]) * (1.0 - share), row["Q_d_kN"], rtol=1e-4)
+        assert_allclose(
+            float(values["design displacement"]), row["design_displacement_mm"] / 1e3, rtol=1e-4
+        )
+
+
+def test_a_report_has_tables_and_files(pier: EarthquakeResult) -> None:
+    pieces = build_pieces(pier)
+    assert len(pieces.tables["properties"].rows) == 4
+    assert len(pieces.tables["bridge_properties"].rows) == 4
+    assert set(pieces.files) == {"properties.csv", "links.txt"}
