@@ -1,4 +1,4 @@
-"""Time of one coupled step: sharing, heat, conduction, books, one kept row; and in a plane."""
+"""Time of one coupled step: sharing, heat, conduction, response, one kept row; and in a plane."""
 
 import math
 import time

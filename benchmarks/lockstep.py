@@ -14,7 +14,14 @@ from tests.reference.lockstep import march_lanes
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
 from thermobearing.core.march import march
 from thermobearing.core.records import rows as records
-from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
+from thermobearing.core.types import (
+    BearingResponse,
+    Constants,
+    Kept,
+    Path,
+    new_state,
+    new_workspace,
+)
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import EndFace, build_stack
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
@@ -49,7 +56,7 @@ def cycles(name: str, lane: int) -> tuple[Any, ...]:
     x = largest * time_ / time_[-1] * np.sin(np.pi * time_ + 0.7 * lane)
     state, spare = (new_state(constants, np.full(cells, air)) for _ in range(2))
     path = Path(x, np.full(STEPS, STEP), np.full(STEPS, air), np.zeros(STEPS, np.bool_), 0.0)
-    room = Kept(records(Books, 0), *[np.zeros((0, 0))] * 3, np.zeros((0, 0)))
+    room = Kept(records(BearingResponse, 0), *[np.zeros((0, 0))] * 3, np.zeros((0, 0)))
     return constants, new_workspace(constants), state, spare, path, room
 
 

@@ -102,7 +102,7 @@ def own_march(constants: Constants, path: Steps) -> Callable[[], Floats]:
             used[:] = fresh
         step_count, *_ = march(constants, work, start, spare, path, room)
         assert step_count == STEPS
-        balance: Any = start.books[0]
+        balance: Any = start.response[0]
         lost = balance.heat_lost_ends + balance.heat_lost_sides
         numbers = [balance.force, balance.work_in, balance.heat_released, balance.heat_stored, lost]
         return np.array([*numbers, *start.temperature])
@@ -149,7 +149,7 @@ def rows() -> list[Row]:
         for _ in range(5):
             np.copyto(copy, source)
         speed = 2 * 5 * copy.nbytes / (time.perf_counter() - begin)  # read and written [bytes/s]
-    size = kept.books.dtype.itemsize
+    size = kept.energies.dtype.itemsize
     roof = 1e6 * 2 * size / speed
     note = f"{best['ours']:.3f} and {best['C']:.3f} us; results within {error:.0e}"
     return [

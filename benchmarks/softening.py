@@ -52,7 +52,7 @@ def _case(name: str, temperature: float, strain: float, period: float) -> list[R
         measured.append(
             at_most(f"tangent error, 90 % of those steps, {label}", error, SOFTENED_TANGENT)
         )
-    balances = full_cycles(bearing, temperature, strain, 5e-3, period=period).books
+    balances = full_cycles(bearing, temperature, strain, 5e-3, period=period).response
     apart = float(balances["layer_force_mismatch"].max())
     note = f"of {abs(balances['force']).max():.0f} kN"
     measured.append(plain(f"layer law from the force at most, {conditions}", apart, "kN", note))

@@ -38,13 +38,13 @@ int main(void)
     };
     tb_Layer layers[2] = {{.virgin = 1.0}, {.virgin = 1.0}};
     tb_Branches branches[2] = {{.idle = 1e30}, {.idle = 1e30}};
-    tb_Books books[2] = {{0}}, kept[STEPS];
+    tb_BearingResponse response[2] = {{0}}, kept[STEPS];
     double temperature[2] = {-20.0, -20.0}, x[STEPS], dt[STEPS], air[STEPS], warm[STEPS];
     bool keep[STEPS];
     tb_State state[2];
     for (int k = 0; k < 2; k++) {
         tb_State one = {ONE(layers[k]), {0, {1, 0}}, ONE(temperature[k]), ONE(branches[k]),
-                        NONE, ONE(books[k])};
+                        NONE, ONE(response[k])};
         state[k] = one;
     }
     for (int k = 0; k < STEPS; k++) {

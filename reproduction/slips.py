@@ -154,15 +154,15 @@ def _cyclic_values(bearing: Bearing, model: BearingModel, wave: Wave) -> dict[st
         np.full(cells, AMBIENT),
         groups=("rubber", "cells"),
     )
-    books, fifth = history.rows.books, history.cycle == history.cycle.max()
+    response, fifth = history.rows.response, history.cycle == history.cycle.max()
     end = int(np.flatnonzero(np.array(model.stack.part) == "end_plate")[-1])
-    lead = float(books["lead_temperature"][-1]) - AMBIENT if bearing.lead else float("nan")
+    lead = float(response["lead_temperature"][-1]) - AMBIENT if bearing.lead else float("nan")
     return {
         "inner_layer_K": float(history.rows.rubber[-1, -1]) - AMBIENT,
         "lead_K": lead,
         "steel_at_lead_K": float(history.rows.cells[-1, end]) - AMBIENT,
-        "force_kN": float(np.abs(books["force"][fifth]).max()),
-        "energy_kN_mm": float(books["work_in"][-1]),
+        "force_kN": float(np.abs(response["force"][fifth]).max()),
+        "energy_kN_mm": float(response["work_in"][-1]),
     }
 
 

@@ -60,7 +60,7 @@ TABLE_SLOPE = 1e-3  # 1/K: change of slope over 0.05 K; 1e-4 measured, 2e-2 with
 CELLS_ENOUGH = 0.01  # of stiffness, energy and rise of the reference test
 
 # --- Energy balance ----------------------------------------------------------------------
-ENERGY_BOOKS = 1e-10  # of the work: what the specification promises; below 1e-14 measured
+ENERGY_BALANCE = 1e-10  # of the work: what the specification promises; below 1e-14 measured
 CLOSED_CYCLE = 1e-9  # of the work of a cycle: Z forgets its start as exp(-path / d_y)
 
 # --- cross code: numpy stepper -----------------------------------------------------------
@@ -128,7 +128,7 @@ PUBLISHED_LEAD = 1e-9  # K: the same system, set up and solved in another order
 TABLE_6_1_LHDR = 0.03  # Table 6.4 prints K_r and K_l with two digits
 
 # --- One dimension against finite elements -----------------------------------------------
-FE_BOOKS = 1e-9  # of the heat: factorised solves of a few thousand unknowns
+FE_BALANCE = 1e-9  # of the heat: factorised solves of a few thousand unknowns
 FE_LAYER = 2.5  # K of 20 to 30 K after loading: two cells a layer, flux of the lead spread out
 FE_LEAD = 2.5  # K of 73 K: the half-space formula with p = 1/2
 FE_CELLS = 0.15  # K of 24 K, eight cells a layer; 0.09 measured
@@ -170,8 +170,8 @@ SAME_FRAME = 1e-9  # a frame and its closed form, or OpenSees: a few thousand ro
 FRAME_CAP = 1e-3  # lumped masses of 32 members for even ones; 6e-4 measured, order two
 CONDENSED = 2e-3  # periods of the first modes, one rotation for each pier; 1e-3 measured
 PLAN_LINE = 1e-12  # of the peak: a plan shaken in one direction and the line; 9e-13 measured
-PLAN_BOOKS = 1e-10  # of the input
-STRUCTURE_BOOKS = 1e-9  # of the input, beta = 1/4: 7e-11 measured, 1e-6 is asked
+PLAN_BALANCE = 1e-10  # of the input
+STRUCTURE_BALANCE = 1e-9  # of the input, beta = 1/4: 7e-11 measured, 1e-6 is asked
 STEP_PEAKS = 0.01  # peaks when the step is halved, as asked
 NEWMARK_ORDER = 0.1
 TAKEDA = 1e-12  # straight lines, relative to the yield moment

@@ -100,7 +100,7 @@ def test_an_earthquake_gives_the_forces_and_temperatures_of_the_element(
     (state,) = found.states()
     assert_allclose(state.temperature, twin.state.temperature, rtol=0.0, atol=1e-9)
     assert state.temperature.max() > -19.99
-    assert state.books["clock"][0] == pytest.approx(200 * DT)
+    assert state.response["clock"][0] == pytest.approx(200 * DT)
 
 
 def test_elements_have_states_of_their_own(new_model: Any) -> None:
@@ -123,7 +123,7 @@ def test_reset_starts_again(new_model: Any) -> None:
     ops.reset()
     (state,) = found.states()
     assert state.temperature == pytest.approx(-20.0)
-    assert state.books["clock"][0] == 0.0
+    assert state.response["clock"][0] == 0.0
     assert_allclose(steps(50), first, rtol=0.0, atol=CLOSE * np.abs(first).max())
 
 
@@ -136,11 +136,11 @@ def test_time_set_back_after_gravity_is_no_step(new_model: Any) -> None:
     assert ops.analyze(10) == 0
     ops.loadConst("-time", 0.0)
     ops.wipeAnalysis()
-    assert found.states()[0].books["clock"][0] == pytest.approx(1.0)
+    assert found.states()[0].response["clock"][0] == pytest.approx(1.0)
     shake()
     x, force = steps(50).T
     expected, _ = followed(np.append(np.zeros(10), x), np.repeat([0.1, DT], [10, 50]))
-    assert found.states()[0].books["clock"][0] == pytest.approx(1.0 + 50 * DT)
+    assert found.states()[0].response["clock"][0] == pytest.approx(1.0 + 50 * DT)
     assert_allclose(force, expected[10:], rtol=0.0, atol=CLOSE * np.abs(expected).max())
 
 
@@ -176,7 +176,7 @@ def test_a_static_analysis_has_the_rate_that_is_given(new_model: Any) -> None:
     assert len(x) == 120
     expected = 3.0 * followed(x, dt=0.5)[0]
     assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
-    assert found.states()[0].books["clock"][0] == pytest.approx(60.0)
+    assert found.states()[0].response["clock"][0] == pytest.approx(60.0)
 
 
 def test_a_load_factor_that_falls_is_no_time(

@@ -44,9 +44,9 @@ def ours(constants: list[Constants], ground: Floats) -> Floats:
     air = np.full(len(ground) - 1, AMBIENT)
     history = run.run_structure(prepared, lines, ground, DT, air)
     assert history.outcome == "completed"
-    books = [history.bearing(line) for line in range(len(lines))]
-    moved = [np.asarray(one["displacement"]) for one in books]
-    forces = [COUNT * np.asarray(one["force"]) for one in books]
+    responses = [history.bearing(line) for line in range(len(lines))]
+    moved = [np.asarray(one["displacement"]) for one in responses]
+    forces = [COUNT * np.asarray(one["force"]) for one in responses]
     return np.hstack([history.rows.q, *moved, *forces])[1:]
 
 

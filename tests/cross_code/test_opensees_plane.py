@@ -117,7 +117,7 @@ def test_lead_in_a_plane_against_opensees(name: str, measured: Recorder) -> None
     x = PATHS[name]()
     constants = bilinear_constants(BilinearParameters(STRENGTH, POST_YIELD, INITIAL))
     rows, _ = moved(constants, x, 20.0)
-    found = apart(rows.books["force"], opensees_forces(x, plasticity)).max()
+    found = apart(rows.response["force"], opensees_forces(x, plasticity)).max()
     assert found < tol.OPENSEES_PLANE
     measured(
         f"bilinear bearing in a plane, {name}, complete history of forces against OpenSees",
@@ -144,7 +144,7 @@ def fine_forces(name: str) -> tuple[Floats, Floats, Floats]:
     at = np.arange(1, FINE * (len(coarse) - 1) + 1) / FINE
     x = np.stack([np.interp(at, np.arange(len(coarse)), one) for one in coarse.T], axis=1)
     rows, _ = moved(smooth_constants(), x, 20.0)
-    return x, rows.books["force"], opensees_forces(x, lead_rubber_x)
+    return x, rows.response["force"], opensees_forces(x, lead_rubber_x)
 
 
 @pytest.mark.parametrize("name", quick_cases(["circle", "eight", "line", "recorded pair"], 0, 3))
@@ -168,7 +168,7 @@ def test_the_coupling_of_lead_rubber_x_depends_on_the_axes(name: str, measured: 
     turn = 0.25 * math.pi
     changed = apart(turned(opensees_forces(turned(x, turn), lead_rubber_x), -turn), theirs).max()
     rows, _ = moved(smooth_constants(), turned(x, turn), 20.0)
-    assert apart(turned(rows.books["force"], -turn), ours).max() < tol.PLANE_TURNED
+    assert apart(turned(rows.response["force"], -turn), ours).max() < tol.PLANE_TURNED
     found = apart(ours, theirs).max()
     assert 0.5 * found < changed < tol.OPENSEES_COUPLING
     assert found < tol.OPENSEES_COUPLING

@@ -155,7 +155,7 @@ def command_borders() -> list[Border]:
     record, table = st.just((["test.csv"], {"test.csv": raw})), _table(sheets.TEST, "t.csv")
     two = st.just((["other.csv", "test.csv"], {"other.csv": raw, "test.csv": raw}))
     case, study = _toml("cyclic_case"), _toml("earthquake_case")
-    books = damaged(sheets.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
+    response = damaged(sheets.workbook()).map(lambda raw: (["t.xlsx"], {"t.xlsx": raw}))
     sheet = sheets.laboratory_files().flatmap(lambda text: _table(text, "t.csv"))
     words = st.lists(st.sampled_from([*WORDS, "cyclic", "motions", "-h"]), max_size=3)
     plain = st.one_of(
@@ -167,7 +167,7 @@ def command_borders() -> list[Border]:
     looks = [_command(f"motions {name}", "look", _motion()) for name in ("show", "spectrum")]
     return [
         Border("command", plain, 60),
-        Border("command intake", _command("intake", "file", st.one_of(sheet, sheet, books)), 60),
+        Border("command intake", _command("intake", "file", st.one_of(sheet, sheet, response)), 60),
         Border("command cyclic", _command("cyclic", "cyclic", case), 32),
         Border("command bridge", _command("bridge", "study bridge", study), 16),
         Border("command bridge, no case", _command("bridge", "study bridge", NO_FILE, ONE_RUN), 10),

@@ -113,7 +113,7 @@ def _mean(v: Any, w: Any) -> Any:
 
 @dataclass(frozen=True)
 class History:
-    """Temperatures above the ambient at every step; books of heat [kN mm]."""
+    """Temperatures above the ambient at every step; heat balance [kN mm]."""
 
     time: Floats
     means: dict[str, Floats]  # of every block and plane

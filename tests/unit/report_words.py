@@ -36,7 +36,7 @@ def plot_as_data(plot: Plot | None) -> Any:
 
 def as_data(pieces: Pieces) -> dict[str, Any]:
     tables = {**pieces.inputs, **pieces.tables}
-    tables |= {"books": pieces.books} if pieces.books else {}
+    tables |= {"energy": pieces.energy} if pieces.energy else {}
     return {
         "words": [pieces.command, pieces.title, pieces.question, *pieces.answer],
         "tables": {name: table_as_data(table) for name, table in tables.items()},
@@ -58,7 +58,7 @@ def assert_well_formed(pieces: Pieces) -> None:
         assert "nan" not in sentence.split(), sentence
         assert "degC" not in sentence, sentence
     tables = [*pieces.inputs.values(), *pieces.tables.values()]
-    for table in [*tables, *([pieces.books] if pieces.books else [])]:
+    for table in [*tables, *([pieces.energy] if pieces.energy else [])]:
         assert table.rows, table.caption
         assert not table.caption.endswith("."), table.caption
         for row in table.rows:

@@ -135,7 +135,7 @@ def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(history, "CHUNK", 7)
     again = short_run()
     for name in ("force", "heat_lost_ends", "heat_stored"):
-        found, wanted = again.rows.books[name], whole.rows.books[name]
+        found, wanted = again.rows.response[name], whole.rows.response[name]
         assert_allclose(found, wanted, rtol=tol.PROTOCOL, atol=tol.PROTOCOL)
 
 
@@ -150,7 +150,7 @@ def test_a_run_that_was_cut_off_keeps_where_it_stood(monkeypatch: pytest.MonkeyP
     kept = run.rows.cells[-1]
     assert_allclose(kept, run.state.temperature, atol=tol.SINGLE_PRECISION)
     assert np.abs(kept - run.initial).max() > 1e-3
-    assert run.rows.books["clock"][-1] == run.state.books[0].clock > 0.0
+    assert run.rows.response["clock"][-1] == run.state.response[0].clock > 0.0
 
 
 @pytest.mark.parametrize("through", ["ends", "sides"])
@@ -162,8 +162,8 @@ def test_heat_is_lost_where_it_can_leave(through: str) -> None:
     result = tb.run(
         bearing, test, -20.0, initial=20.0, model=tb.ModelOptions(upper_face=face, lower_face=face)
     )
-    books = result.energy.iloc[0]
-    lost = {name: books[f"heat_lost_{name}_kN_mm"] for name in ("ends", "sides")}
+    response = result.energy.iloc[0]
+    lost = {name: response[f"heat_lost_{name}_kN_mm"] for name in ("ends", "sides")}
     assert lost.pop(through) > 1e3
     assert list(lost.values()) == [0.0]
     variable = result[f"heat_lost_{through}"]

@@ -16,7 +16,7 @@ import thermobearing
 from thermobearing.core import types
 from thermobearing.core.compiled.sources import cache_directory, kernel_files
 from thermobearing.core.records import filled, labels, row_type, rows
-from thermobearing.core.types import Books, LayerCells, RubberBooks
+from thermobearing.core.types import BearingResponse, LayerCells, RubberResponse
 from thermobearing.structure import types as structure_types
 
 PACKAGE = Path(thermobearing.__file__).parent
@@ -82,11 +82,13 @@ def test_a_name_of_a_record_is_not_hidden_by_numpy(record: type) -> None:
     assert row_type(record).itemsize == 8 * len(names)
 
 
-def test_books_of_rubber_come_first() -> None:
-    """A bearing without lead and rate dependence is asked for the first of the same books."""
-    first = labels(RubberBooks)
-    assert labels(Books)[: len(first)] == first
-    assert [label.name for label in labels(Books)] == list(row_type(Books).names or ())
+def test_response_of_rubber_comes_first() -> None:
+    """A bearing without lead and rate dependence is asked for the first of the same quantities."""
+    first = labels(RubberResponse)
+    assert labels(BearingResponse)[: len(first)] == first
+    assert [label.name for label in labels(BearingResponse)] == list(
+        row_type(BearingResponse).names or ()
+    )
 
 
 def test_a_record_needs_all_its_columns() -> None:
@@ -98,13 +100,13 @@ def test_a_record_needs_all_its_columns() -> None:
 
 
 def test_rows_are_views_and_copies_are_not() -> None:
-    books = rows(Books, 3)
-    books[1].force = 2.0
-    part = books[1:]
+    response = rows(BearingResponse, 3)
+    response[1].force = 2.0
+    part = response[1:]
     part[0].force = 3.0
-    assert_array_equal(books["force"], [0.0, 3.0, 0.0])
+    assert_array_equal(response["force"], [0.0, 3.0, 0.0])
     part.copy()[0].force = 4.0
-    assert books[1].force == 3.0
+    assert response[1].force == 3.0
 
 
 def found_with(monkeypatch: pytest.MonkeyPatch, **variables: str | None) -> Path | None:

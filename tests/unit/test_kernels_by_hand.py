@@ -132,14 +132,14 @@ def test_heat_of_a_core_by_hand() -> None:
 
 
 @pytest.mark.parametrize("source", ["work", "dissipation"])
-def test_books_of_a_few_coarse_steps_close(source: str) -> None:
+def test_balance_of_a_few_coarse_steps_closes(source: str) -> None:
     """Rubber, lead and rate dependence, out and back and out again in steps of 5 mm."""
     ramps = [{"step": "ramp", "to": f"{x} mm", "speed": "100 mm/s"} for x in (30, -20, 45)]
     test = tb.CyclicTest(dt=0.05, steps=[*ramps, {"step": "rest", "duration": 2.0}])
-    books = tb.run(LHDR, test, -20.0, model=tb.ModelOptions(heat_source=source)).energy.iloc[0]
+    response = tb.run(LHDR, test, -20.0, model=tb.ModelOptions(heat_source=source)).energy.iloc[0]
     for kind in ("mechanical", "thermal"):
-        assert abs(books[f"{kind}_residual"]) < tol.ENERGY_BOOKS
-    assert (books["recoverable_kN_mm"] == 0.0) == (source == "work")
+        assert abs(response[f"{kind}_residual"]) < tol.ENERGY_BALANCE
+    assert (response["recoverable_kN_mm"] == 0.0) == (source == "work")
 
 
 def test_heat_of_one_long_step_is_booked_as_it_was_lost() -> None:
@@ -150,9 +150,9 @@ def test_heat_of_one_long_step_is_booked_as_it_was_lost() -> None:
         HDR, test, -20.0, initial=20.0, model=tb.ModelOptions(upper_face=face, lower_face=face)
     )
     assert int(result["steps"].sum()) == 1
-    books = result.energy.iloc[0]
-    assert books["heat_lost_ends_kN_mm"] > 0.0
-    assert abs(books["thermal_residual"]) < tol.ENERGY_BOOKS
+    response = result.energy.iloc[0]
+    assert response["heat_lost_ends_kN_mm"] > 0.0
+    assert abs(response["thermal_residual"]) < tol.ENERGY_BALANCE
 
 
 @pytest.mark.parametrize("published", [False, True])
@@ -332,8 +332,8 @@ def test_one_temperature_loses_heat_through_both_ends_and_the_sides() -> None:
     rate = (ends + sides) / capacity
     wanted = 20.0 - 40.0 * rate * dt / (1.0 + 0.5 * rate * dt)
     assert_allclose(result["final_temperature"].values[0], [wanted], rtol=1e-12)
-    books = result.energy.iloc[0]
-    ratio = books["heat_lost_ends_kN_mm"] / books["heat_lost_sides_kN_mm"]
+    response = result.energy.iloc[0]
+    ratio = response["heat_lost_ends_kN_mm"] / response["heat_lost_sides_kN_mm"]
     assert_allclose(ratio, ends / sides, rtol=1e-9)
 
 

@@ -323,7 +323,7 @@ def test_measures_of_an_ellipse_among_smaller_ones(sign: float, shift: float) ->
     assert m.G_eq_MPa == pytest.approx(2.0 * peak / amplitude, **near)
 
 
-def test_work_is_that_of_the_books_from_zero_to_zero() -> None:
+def test_work_is_that_of_the_balance_from_zero_to_zero() -> None:
     """Work that grows evenly with the place in the history: its share between the two zeros."""
     angle = np.linspace(-3.5, 3.0 * np.pi, 801)
     d = np.exp(-0.05 * np.abs(angle - 1.6)) * np.sin(angle)
@@ -386,7 +386,7 @@ def test_no_motion(start: float | None) -> None:
     test = tb.CyclicTest(steps=[{"step": "rest", "duration": 100.0}])
     energy = tb.run(HDR, test, -20, initial=start).energy
     assert energy["work_in_kN_mm"][0] == 0.0
-    assert energy[RESIDUALS].abs().max(axis=None) < tol.ENERGY_BOOKS
+    assert energy[RESIDUALS].abs().max(axis=None) < tol.ENERGY_BALANCE
 
 
 @pytest.mark.parametrize("factor", [1e-6, 1.0])

@@ -143,7 +143,7 @@ def test_a_bilinear_bearing_has_no_heat_to_lose() -> None:
     """Its endless heat capacity times the rounding of a temperature came to kN mm a step."""
     motion = {"name": "jra-ii-i-1", "factor": 0.02}
     study = tb.bridge("shen-bilinear-bridge", motion, [-20.0, 23.0], duration=5)
-    assert study.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
+    assert study.energy["thermal_residual"].abs().max() < tol.ENERGY_BALANCE
     assert study["bearing_force"].values[0].tolist() == study["bearing_force"].values[1].tolist()
 
 
@@ -161,15 +161,15 @@ HDR = tb.load_bearing("shen-hdr-specimen")
 MODEL = build_model(HDR)
 
 
-def line_state(**books: float) -> State:
+def line_state(**response: float) -> State:
     """100 kN mm of work, 70 of them heat: 20 stored, 30 lost at the ends, 20 at the sides."""
     state = new_state(MODEL.constants, np.full(len(MODEL.stack.part), 20.0))
     given = {
         "work_in": 100.0, "heat_released": 70.0, "recoverable": 30.0, "heat_stored": 20.0,
-        "heat_lost_ends": 30.0, "heat_lost_sides": 20.0, **books,
+        "heat_lost_ends": 30.0, "heat_lost_sides": 20.0, **response,
     }  # fmt: skip
     for name, value in given.items():
-        setattr(state.books[0], name, value)
+        setattr(state.response[0], name, value)
     return state
 
 
@@ -193,14 +193,14 @@ def test_nan_is_not_physical() -> None:
 @pytest.mark.parametrize("name", ["work_in", "recoverable", "heat_stored", "heat_lost_ends",
                                   "heat_lost_sides"])  # fmt: skip
 @pytest.mark.parametrize(("missing", "possible"), [(0.09, True), (0.2, False), (-0.2, False)])
-def test_books(name: str, missing: float, possible: bool) -> None:
+def test_energy_balance(name: str, missing: float, possible: bool) -> None:
     """0.1 % of the largest energy may be missing, in either balance and either way."""
     state = line_state()
-    setattr(state.books[0], name, getattr(state.books[0], name) + missing)
+    setattr(state.response[0], name, getattr(state.response[0], name) + missing)
     assert is_physical(MODEL.constants, state) is possible
 
 
-def test_published_books_have_gaps_of_their_own() -> None:
+def test_published_balances_have_gaps_of_their_own() -> None:
     published = build_model(HDR, ModelOptions(scheme="published")).constants
     assert is_physical(published, line_state(heat_stored=50.0))
     hot = line_state()

@@ -264,9 +264,9 @@ def test_committed_trials_are_the_march() -> None:
     run = marched(assembled(specimen()), PATH, DT, START, AIR)
     assert run.softened > 0
     element = fresh()
-    assert_array_equal(follow(element, PATH), run.books["force"])
+    assert_array_equal(follow(element, PATH), run.response["force"])
     assert_array_equal(element.state.temperature, run.cells[-1])
-    assert element.state.books[0].displacement == PATH[-1]
+    assert element.state.response[0].displacement == PATH[-1]
 
 
 def test_trials_that_are_not_committed_leave_no_trace() -> None:
@@ -290,7 +290,7 @@ def test_commit_twice_moves_once() -> None:
     once = element.save()
     element.commit()
     assert_same_state(element.state, once)
-    assert element.state.books[0].clock == DT
+    assert element.state.response[0].clock == DT
 
 
 def test_revert_to_start() -> None:
@@ -307,7 +307,7 @@ def test_save_and_restore() -> None:
     follow(element, PATH[:150])
     saved = element.save()
     rest = follow(element, PATH[150:])
-    assert saved.books[0].displacement == PATH[149]  # a copy: the motion went on without it
+    assert saved.response[0].displacement == PATH[149]  # a copy: the motion went on without it
     element.restore(saved)
     assert_array_equal(follow(element, PATH[150:]), rest)
 
@@ -326,7 +326,7 @@ def test_failed_trial_cannot_be_committed() -> None:
     assert_same_state(element.state, before)
     assert element.set_trial(0.03, DT, AIR).outcome == "completed"
     element.commit()
-    assert element.state.books[0].displacement == 0.03
+    assert element.state.response[0].displacement == 0.03
 
 
 @pytest.mark.parametrize("back", ["restore", "revert_to_start"])
@@ -350,14 +350,14 @@ def test_an_element_goes_on_where_a_test_ended(name: str) -> None:
     second = tb.run(name, test, ambient=AIR, initial=first)
     element = tb.element(name, ambient=AIR, initial=tb.end_state(first, name))
     x, clock = second["displacement"].values[0], second["time"].values
-    forces = [float(element.state.books["force"][0])]
+    forces = [float(element.state.response["force"][0])]
     for k in range(1, len(x)):
         forces.append(element.set_trial(x[k], clock[k] - clock[k - 1]).force)
         element.commit()
     peak = np.abs(forces).max()
     assert_allclose(second["force"].values[0], forces, rtol=0.0, atol=tol.CLOCK_FORCE * peak)
     element.revert_to_start()
-    assert element.state.books["force"][0] == first["force"].values[0, -1]
+    assert element.state.response["force"][0] == first["force"].values[0, -1]
 
 
 def test_an_element_begins_only_where_its_bearing_was() -> None:
@@ -393,7 +393,7 @@ def test_elements_in_one_call_are_the_single_ones() -> None:
     for one, other in zip(alone, line.elements, strict=True):
         assert_array_equal(one.state.temperature, other.state.temperature)
     line.revert_to_start()
-    assert [one.state.books["clock"][0] for one in together] == [0.0, 0.0, 0.0]
+    assert [one.state.response["clock"][0] for one in together] == [0.0, 0.0, 0.0]
 
 
 def test_elements_in_one_call_commit_all_or_none() -> None:
@@ -401,10 +401,10 @@ def test_elements_in_one_call_commit_all_or_none() -> None:
     assert line.set_trial([5.0, 1e9], 0.1).outcome[0] == "completed"
     with pytest.raises(tb.InputError):
         line.commit()
-    assert line.elements[0].state.books["displacement"][0] == 0.0
+    assert line.elements[0].state.response["displacement"][0] == 0.0
     assert line.set_trial(5.0, 0.1).force[1] > 0.0
     line.commit()
-    assert line.elements[1].state.books["displacement"][0] == 5.0
+    assert line.elements[1].state.response["displacement"][0] == 5.0
     one = tb.element(HDR)
     for make in (
         lambda: tb.BearingElements([]),

@@ -1,4 +1,4 @@
-"""Whatever the bearing and the motion: finite numbers and closed books, or a typed outcome."""
+"""Whatever the bearing and the motion: finite numbers and closed response, or a typed outcome."""
 
 import json
 from typing import Any
@@ -95,21 +95,21 @@ def motions(draw: st.DrawFn) -> tb.CyclicTest:
 
 
 def residuals(result: tb.Result) -> tuple[float, float, float]:
-    """What is missing from the mechanical and thermal books, and what may be [kN mm].
+    """What is missing from the mechanical and thermal response, and what may be [kN mm].
 
     A run that hardly moves or heats has no work to compare with: then the temperatures, which
     are rounded in every step, are what limits the heat that is computed from them.
     """
-    books = result.energy.iloc[0]
-    mechanical = books["work_in_kN_mm"] - books["heat_released_kN_mm"]
-    mechanical -= books["recoverable_kN_mm"]
-    lost = books["heat_lost_ends_kN_mm"] + books["heat_lost_sides_kN_mm"]
-    thermal = books["heat_released_kN_mm"] - books["heat_stored_kN_mm"] - lost
-    scale = max(abs(books["work_in_kN_mm"]), abs(books["heat_stored_kN_mm"]), abs(lost))
+    response = result.energy.iloc[0]
+    mechanical = response["work_in_kN_mm"] - response["heat_released_kN_mm"]
+    mechanical -= response["recoverable_kN_mm"]
+    lost = response["heat_lost_ends_kN_mm"] + response["heat_lost_sides_kN_mm"]
+    thermal = response["heat_released_kN_mm"] - response["heat_stored_kN_mm"] - lost
+    scale = max(abs(response["work_in_kN_mm"]), abs(response["heat_stored_kN_mm"]), abs(lost))
     capacity = sum(json.loads(result.dataset.attrs["heat_capacity_kN_mm_per_K"]))
     warmest = float(np.abs(result["temperature"].values).max())
     rounding = int(result["steps"][0]) * np.finfo(float).eps * capacity * warmest
-    return mechanical, thermal, tol.ENERGY_BOOKS * scale + rounding
+    return mechanical, thermal, tol.ENERGY_BALANCE * scale + rounding
 
 
 def end_state_at(test: tb.CyclicTest, bearing: Bearing) -> float:

@@ -448,7 +448,8 @@ def test_lines_join_to_paragraphs_and_lists(tmp_path):
 
 def test_headings_with_nothing_under_them_are_left_out(tmp_path):
     text = (
-        "# Checks\n{{ checks }}\n# Books\n## All\n{{ books }}\n# Validity\n## Of it\n{{ validity }}"
+        "# Checks\n{{ checks }}\n# Energy\n## All\n{{ energy }}\n"
+        "# Validity\n## Of it\n{{ validity }}"
     )
     kept = [block.text for block in arranged_blocks(text, tmp_path) if isinstance(block, Heading)]
     assert kept == ["Checks", "Validity", "Of it"]

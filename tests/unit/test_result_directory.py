@@ -237,7 +237,7 @@ def test_energies_of_a_partial_result_balance_whatever_is_kept(
     assert int(result["steps"][0]) == 3 * 47
     assert float(result["time"][-1]) == pytest.approx(3 * 0.47)
     residuals = result.energy[["thermal_residual", "mechanical_residual"]]
-    assert residuals.abs().max(axis=None) < tol.ENERGY_BOOKS
+    assert residuals.abs().max(axis=None) < tol.ENERGY_BALANCE
 
 
 def test_ctrl_c_before_the_first_step(

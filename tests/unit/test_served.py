@@ -154,7 +154,7 @@ def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
     assert not server.notes
     (history,) = server.histories()
     assert history.time.tolist() == [0.0, *(t for t, _ in PATH)]
-    assert history.books["force"][1:].tolist() == expected(PATH)
+    assert history.response["force"][1:].tolist() == expected(PATH)
 
 
 def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(client: Client) -> None:
@@ -194,7 +194,7 @@ def test_a_reset_begins_again(running: Running, client: Client) -> None:
     client.end()
     first, second, third = running.stop().histories()
     assert [h.run for h in (first, second, third)] == [1, 2, 3]
-    assert (first.books["force"] == second.books["force"]).all()
+    assert (first.response["force"] == second.response["force"]).all()
     assert len(third.time) == 1
 
 
@@ -244,7 +244,7 @@ def test_a_client_that_is_killed_leaves_its_history(running: Running, client: Cl
     client.socket.close()  # as the system does for a killed process: no END
     running.wait_for_problem()
     (history,) = running.stop().histories()
-    assert history.books["force"][1:].tolist() == forces
+    assert history.response["force"][1:].tolist() == forces
 
 
 def test_two_clients_of_one_element() -> None:
@@ -356,7 +356,7 @@ def test_two_directions_are_a_plane() -> None:
         element.answer(Request(Action.COMMIT, u, (), (), t))
     along, across = element.histories()
     assert (along.direction, across.direction) == (1, 2)
-    assert across.books["displacement"][1:].tolist() == pytest.approx([0.8 * x for _, x in PATH])
+    assert across.response["displacement"][1:].tolist() == pytest.approx([0.8 * x for _, x in PATH])
     result = ServedResult.of(case(), [along, across])
     assert result["element"].values.tolist() == ["1 x", "1 y"]
     assert result.energy["mechanical_residual"].abs().max() < 1e-12

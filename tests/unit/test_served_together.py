@@ -234,7 +234,7 @@ def test_a_full_disk_leaves_histories_in_memory(monkeypatch: pytest.MonkeyPatch)
     assert [client.step(x, t) for t, x in PATH] == expected(PATH)
     client.end()
     (history,) = running.stop().histories()
-    assert history.books["force"][1:].tolist() == expected(PATH)
+    assert history.response["force"][1:].tolist() == expected(PATH)
     assert len(running.server.notes) == 1
 
 

@@ -98,7 +98,7 @@ class Server:
 
     def _force(self, dt: float) -> float:
         if dt <= 0.0:
-            return float(self.bearing.state.books[0].force)
+            return float(self.bearing.state.response[0].force)
         there = self.commands[max(len(self.commands) - 1 - self.delay, 0)]
         return self.bearing.set_trial(there, dt).force
 
@@ -133,7 +133,7 @@ def assert_same(one: StructureHistory, other: StructureHistory, line: int = 0) -
     pairs = [(one.rows.q, other.rows.q), (one.layers(line), other.layers(line))]
     names = ("displacement", "force", "work_in", "clock", "heat_stored")
     pairs += [(one.bearing(line)[name], other.bearing(line)[name]) for name in names]
-    pairs.append((one.rows.books["bearings"], other.rows.books["bearings"]))
+    pairs.append((one.rows.energies["bearings"], other.rows.energies["bearings"]))
     for mine, theirs in pairs:
         assert np.abs(mine - theirs).max() <= tol.SERVED * np.abs(mine).max()
 
@@ -204,8 +204,8 @@ def test_the_specimen_counts_and_not_the_bearing_calculated_beside_it() -> None:
     for name in ("force", "work_in"):
         mine, theirs = calculated.bearing()[name], found.bearing()[name]
         assert np.abs(mine - theirs).max() <= tol.SERVED * np.abs(mine).max()
-    balance = found.rows.books["bearings"] - calculated.rows.books["bearings"]
-    assert np.abs(balance).max() <= tol.SERVED * calculated.rows.books["bearings"].max()
+    balance = found.rows.energies["bearings"] - calculated.rows.energies["bearings"]
+    assert np.abs(balance).max() <= tol.SERVED * calculated.rows.energies["bearings"].max()
 
 
 STEPS_LATE = 2

@@ -90,11 +90,11 @@ def test_assumed_scragging_is_as_stiff_as_published() -> None:
 
 
 @pytest.mark.parametrize("bearing", [HDR, LHDR], ids=["HDR", "LHDR"])
-def test_energy_books_close_in_every_state(bearing: Bearing) -> None:
+def test_energy_balance_closes_in_every_state(bearing: Bearing) -> None:
     for state in ("virgin", "recovered after 3 months"):
         energy = tb.run(bearing, TEST, -20.0, state=state).energy.iloc[0]
-        assert abs(energy["mechanical_residual"]) < tol.ENERGY_BOOKS
-        assert abs(energy["thermal_residual"]) < tol.ENERGY_BOOKS
+        assert abs(energy["mechanical_residual"]) < tol.ENERGY_BALANCE
+        assert abs(energy["thermal_residual"]) < tol.ENERGY_BALANCE
 
 
 def test_lines_have_their_own_state() -> None:
@@ -160,7 +160,7 @@ def test_governing_runs_have_the_other_bound() -> None:
 def test_energy_balance_of_a_bridge_on_virgin_rubber() -> None:
     found = tb.bridge(["shen-hdr-bridge", "shen-lhdr-bridge"], state="virgin", **BRIDGE)
     residual = found.energy["structure_residual"].abs().max()
-    assert residual < tol.STRUCTURE_BOOKS
+    assert residual < tol.STRUCTURE_BALANCE
 
 
 def test_study_varies_the_state() -> None:

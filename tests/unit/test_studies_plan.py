@@ -131,8 +131,8 @@ def test_peaks_of_studies_in_plan_are_those_of_histories(monkeypatch: pytest.Mon
         assert one.numbers["outcome"] == other.numbers["outcome"] == "completed"
         for name in set(shard.RESULT_COLUMNS) - set(shard.TEXTS):
             assert_allclose(other.numbers[name], one.numbers[name], rtol=tol.LOOP, err_msg=name)
-    books = run.run_task(tasks[1]).bearing(1)["displacement"]
-    assert np.hypot(*books.T).max() <= alone[1].numbers["bearing_displacement_max_mm"]
+    response = run.run_task(tasks[1]).bearing(1)["displacement"]
+    assert np.hypot(*response.T).max() <= alone[1].numbers["bearing_displacement_max_mm"]
     assert alone[0].numbers["pier_moment_max_kN_m"] != alone[1].numbers["pier_moment_max_kN_m"]
 
 

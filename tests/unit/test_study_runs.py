@@ -408,7 +408,7 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
     for column in RESULT_COLUMNS:
         if column in ROUNDING:
             off = together[column] - one_by_one[column]
-            assert (off.abs() < tol.STRUCTURE_BOOKS).all(), column
+            assert (off.abs() < tol.STRUCTURE_BALANCE).all(), column
         elif column == "layer_force_mismatch_max_kN":
             force = one_by_one["bearing_force_max_kN"]
             off = together[column] - one_by_one[column]

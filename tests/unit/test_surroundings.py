@@ -125,7 +125,7 @@ def test_film_at_a_face_is_without_half_the_outer_cell() -> None:
     assert film_at_face(EndFace(eta=3.0), stack, 0) == np.inf
 
 
-def test_books_close_with_masses_and_cover() -> None:
+def test_balance_closes_with_masses_and_cover() -> None:
     face = EndFace(film=12.0, heat_capacity=1000.0)
     test = tb.cyclic_test(strain=[1.0], cycles=2)
     side = Side(film=12.0, cover=10.0)

@@ -1,4 +1,4 @@
-"""Files hold the rows that are worth it; measures, books and ends are those of all rows."""
+"""Files hold the rows that are worth it; measures, energies and ends are those of all rows."""
 
 from pathlib import Path
 
@@ -66,7 +66,7 @@ def test_what_is_kept_keeps_its_bits(result: tb.Result, loaded: tb.Result) -> No
     assert loaded.dataset.sizes["time"] < 0.3 * result.dataset.sizes["time"]
 
 
-def test_measures_books_and_summary_are_those_of_all_rows(
+def test_measures_energies_and_summary_are_those_of_all_rows(
     result: tb.Result, loaded: tb.Result
 ) -> None:
     assert_frame_equal(loaded.cycles, result.cycles, check_exact=True)

@@ -10,7 +10,14 @@ from thermobearing.bearing.model import Bearing, Material, SquarePlan
 from thermobearing.core.heat import eliminate, factor, substitute
 from thermobearing.core.march import march
 from thermobearing.core.records import Floats, Rows, labels, rows
-from thermobearing.core.types import Books, Constants, Kept, Path, new_state, new_workspace
+from thermobearing.core.types import (
+    BearingResponse,
+    Constants,
+    Kept,
+    Path,
+    new_state,
+    new_workspace,
+)
 from thermobearing.model.constants import build_constants
 from thermobearing.model.stack import EndFace, build_stack
 
@@ -91,16 +98,16 @@ def heat_step(
     after = np.empty(len(temperature))
     implicit = constants.side_implicit
     eliminate(rates, temperature, dt, ambient, work)
-    books = substitute(rates, implicit, temperature, dt, ambient, work, after)
+    response = substitute(rates, implicit, temperature, dt, ambient, work, after)
     assert np.array_equal(after, temperature + work.change)
-    return HeatStep(work.change, *books)
+    return HeatStep(work.change, *response)
 
 
 @dataclass(frozen=True)
 class Run:
     outcome: int
     softened: int
-    books: Rows[Books]
+    response: Rows[BearingResponse]
     layer_start: Floats  # layer temperatures at the START of each step, which the law uses
     d: Floats  # layer displacements at the end of each step, as all that follow
     z: Floats
@@ -116,7 +123,7 @@ def marched(
     first = np.broadcast_to(np.asarray(start, dtype=float), (n,))
     layer, d, z = (np.zeros((len(x), layers)) for _ in range(3))
     cells = np.zeros((len(x), n))  # in double precision: single is a choice of cyclic/history.py
-    room = Kept(rows(Books, len(x)), layer, d, z, cells)
+    room = Kept(rows(BearingResponse, len(x)), layer, d, z, cells)
     path = Path(
         x=np.asarray(x, dtype=float),
         dt=np.full(len(x), dt),
@@ -133,7 +140,7 @@ def marched(
     return Run(
         outcome=outcome,
         softened=softened,
-        books=room.books[:kept],
+        response=room.response[:kept],
         layer_start=np.vstack([at_first, layer[: max(kept - 1, 0)]]),
         d=d[:kept],
         z=z[:kept],
@@ -171,5 +178,5 @@ def stored_heat(run: Run, start: float | Floats) -> float:
     return float(run.constants.cells.capacity @ (run.cells[-1] - start))
 
 
-def numbers(books: Rows[Books]) -> Floats:
-    return np.column_stack([books[label.name] for label in labels(Books)])
+def numbers(response: Rows[BearingResponse]) -> Floats:
+    return np.column_stack([response[label.name] for label in labels(BearingResponse)])

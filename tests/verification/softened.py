@@ -113,7 +113,9 @@ def halving_errors(
     """Rms difference of the forces from one time step to the next finer, of the peak force."""
     runs = [full_cycles(bearing, temperature, strain, dt, **how) for dt in steps]
     every = [round(steps[0] / dt) for dt in steps]
-    forces = [run.books["force"][each - 1 :: each] for run, each in zip(runs, every, strict=True)]
+    forces = [
+        run.response["force"][each - 1 :: each] for run, each in zip(runs, every, strict=True)
+    ]
     peak = np.abs(forces[-1]).max()
     apart = [float(np.sqrt(np.mean((a - b) ** 2))) for a, b in pairwise(forces)]
     return np.array(apart) / peak
@@ -129,11 +131,11 @@ def moved_by_a_parameter(
         "yield_displacement",
         "layer_stiffness",
     )
-    force = full_cycles(bearing, temperature, strain, 5e-3, **how).books["force"]
+    force = full_cycles(bearing, temperature, strain, 5e-3, **how).response["force"]
     largest = 0.0
     for name in names:
         value = getattr(bearing.hysteresis, name) * (1.0 + change)
         moved = changed(bearing, hysteresis={name: value})
         other = full_cycles(moved, temperature, strain, 5e-3, **how)
-        largest = max(largest, float(np.abs(other.books["force"] - force).max()))
+        largest = max(largest, float(np.abs(other.response["force"] - force).max()))
     return largest / float(np.abs(force).max())

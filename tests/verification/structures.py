@@ -81,9 +81,11 @@ def exact_linear(prepared: run.Prepared, stiffness: Floats, ground: Floats, dt: 
 
 def energy_residual(history: run.StructureHistory) -> float:
     """What the energy balance of a run lacks, of the input."""
-    books = history.rows.books[-1]
-    spent = books.kinetic + books.damping + books.springs + books.hinges + books.bearings
-    return abs((books.input - spent) / books.input)
+    energies = history.rows.energies[-1]
+    spent = (
+        energies.kinetic + energies.damping + energies.springs + energies.hinges + energies.bearings
+    )
+    return abs((energies.input - spent) / energies.input)
 
 
 def rayleigh_factors(prepared: run.Prepared) -> tuple[float, float]:

@@ -222,7 +222,7 @@ def test_rubber_that_conducts_nothing_heats_by_its_work(half: bool) -> None:
     x = sine(bearing, strain=1.5, period=4.0, cycles=3, dt=0.01)
     run = marched(assembled(bearing, half=half, upper=ADIABATIC), x, 0.01, -20.0, -20.0)
     volume = bearing.area * bearing.total_rubber_thickness
-    work = run.books["work_in"][-1]
+    work = run.response["work_in"][-1]
     rise = work / (insulating.volumetric_heat * volume)
     assert rise > 1.0
     rubber = np.array(build_stack(bearing, half=half).part) == "rubber"

@@ -98,7 +98,7 @@ def loop_properties(parameters: Any, u: float) -> tuple[float, float]:
     closed = slice(49, None)
     xs, fs = np.array(x)[closed], np.array(f)[closed]
     area = float((0.5 * (fs[1:] + fs[:-1]) * np.diff(xs)).sum())
-    assert element.state.books[0].force == f[-1]
+    assert element.state.response[0].force == f[-1]
     return max(f), area
 
 

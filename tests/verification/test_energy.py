@@ -1,4 +1,4 @@
-"""Energy: the books of heat and work close, in single steps, in runs and over Table 3.4."""
+"""Energy: the balances of heat and work close, in single steps, in runs and over Table 3.4."""
 
 from itertools import pairwise
 
@@ -10,7 +10,7 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.quick import quick_cases
-from tests.tolerances import CLOSED_CYCLE, ENERGY_BOOKS, HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
+from tests.tolerances import CLOSED_CYCLE, ENERGY_BALANCE, HEAT_BALANCE, NEW_EXTREME, RECIPROCITY
 from tests.verification import models
 from thermobearing.core.types import Constants, Floats
 from thermobearing.model.stack import EndFace, build_stack
@@ -35,8 +35,8 @@ def compute_run(face: str, half: bool, x: Floats, **options: str) -> models.Run:
 
 def trapezoid_work(run: models.Run) -> Floats:
     """Work of the returned forces on the returned displacements, added up here [kN mm]."""
-    force = np.concatenate([[0.0], run.books["force"]])
-    x = np.concatenate([[0.0], run.books["displacement"]])
+    force = np.concatenate([[0.0], run.response["force"]])
+    x = np.concatenate([[0.0], run.response["displacement"]])
     return np.asarray(np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
 
 
@@ -51,40 +51,44 @@ CASES = [
 
 
 @pytest.mark.parametrize(("face", "half", "source", "strain"), CASES)
-def test_conservative_books_close(
+def test_conservative_balance_closes(
     face: str, half: bool, source: str, strain: float, measured: Recorder
 ) -> None:
     run = compute_run(face, half, cycles(strain), heat_source=source)
-    books = run.books
-    work = books["work_in"][-1]
+    response = run.response
+    work = response["work_in"][-1]
     assert work > 1e4
     assert (run.softened > 0) == (strain == 3.0)
-    atol = ENERGY_BOOKS * work
-    mechanical = books["work_in"] - books["heat_released"] - books["recoverable"]
-    lost = books["heat_lost_ends"] + books["heat_lost_sides"]
-    thermal = books["heat_released"][-1] - models.stored_heat(run, START) - lost[-1]
-    measured("energy books, cyclic: mechanical residual", np.abs(mechanical).max() / work, "1e-10")
-    measured("energy books, cyclic: thermal residual", abs(thermal) / work, "1e-10")
+    atol = ENERGY_BALANCE * work
+    mechanical = response["work_in"] - response["heat_released"] - response["recoverable"]
+    lost = response["heat_lost_ends"] + response["heat_lost_sides"]
+    thermal = response["heat_released"][-1] - models.stored_heat(run, START) - lost[-1]
+    measured(
+        "energy balance, cyclic: mechanical residual", np.abs(mechanical).max() / work, "1e-10"
+    )
+    measured("energy balance, cyclic: thermal residual", abs(thermal) / work, "1e-10")
     assert_allclose(mechanical, 0.0, rtol=0.0, atol=atol)
     assert_allclose(thermal, 0.0, rtol=0.0, atol=atol)
-    # The books themselves, against sums made outside the core.
-    assert_allclose(books["work_in"], trapezoid_work(run), rtol=0.0, atol=atol)
-    assert_allclose(books["heat_stored"][-1], models.stored_heat(run, START), rtol=0.0, atol=atol)
-    assert_allclose(books["clock"][-1], 5e-3 * len(books), rtol=ENERGY_BOOKS, atol=0.0)
+    # The energies themselves, against sums made outside the core.
+    assert_allclose(response["work_in"], trapezoid_work(run), rtol=0.0, atol=atol)
+    assert_allclose(
+        response["heat_stored"][-1], models.stored_heat(run, START), rtol=0.0, atol=atol
+    )
+    assert_allclose(response["clock"][-1], 5e-3 * len(response), rtol=ENERGY_BALANCE, atol=0.0)
 
 
-def test_books_close_over_random_motion_and_a_long_rest() -> None:
+def test_balance_closes_over_random_motion_and_a_long_rest() -> None:
     """Motion, then cooling with the same step: losses keep pace with what the cells give up."""
     x = models.smooth_history(np.random.default_rng(31), 75.0, 4000)
     x = np.concatenate([x, np.full(40000, x[-1])])
     for source in ("work", "dissipation"):
         run = compute_run("unlike", False, x, heat_source=source)
-        books, work = run.books[-1], run.books["work_in"][-1]
-        lost = books.heat_lost_ends + books.heat_lost_sides
+        response, work = run.response[-1], run.response["work_in"][-1]
+        lost = response.heat_lost_ends + response.heat_lost_sides
         assert lost > 0.1 * work
-        thermal = books.heat_released - models.stored_heat(run, START) - lost
-        mechanical = work - books.heat_released - books.recoverable
-        assert_allclose([mechanical, thermal], 0.0, rtol=0.0, atol=ENERGY_BOOKS * work)
+        thermal = response.heat_released - models.stored_heat(run, START) - lost
+        mechanical = work - response.heat_released - response.recoverable
+        assert_allclose([mechanical, thermal], 0.0, rtol=0.0, atol=ENERGY_BALANCE * work)
 
 
 @pytest.mark.parametrize("half", [True, False])
@@ -98,8 +102,8 @@ def test_recoverable_energy_is_that_of_the_two_springs(half: bool) -> None:
     kh = np.exp(h.hysteretic_temperature_coefficient * warmer) * (1.0 - h.post_yield_ratio)
     twice = ke * run.d**2 + (1.0 + h.hardening * (run.d / t_r) ** 2) * kh * run.z**2
     expected = 0.5 * h.layer_stiffness * twice @ run.constants.multiplicity
-    atol = ENERGY_BOOKS * run.books["work_in"][-1]
-    assert_allclose(run.books["recoverable"], expected, rtol=0.0, atol=atol)
+    atol = ENERGY_BALANCE * run.response["work_in"][-1]
+    assert_allclose(run.response["recoverable"], expected, rtol=0.0, atol=atol)
 
 
 def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
@@ -111,7 +115,7 @@ def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
     heats = []
     for source in ("work", "dissipation"):
         run = models.marched(models.assembled(bearing, heat_source=source), x, 5e-3, START, AMBIENT)
-        ends = run.books[per_cycle - 1 :: per_cycle]
+        ends = run.response[per_cycle - 1 :: per_cycle]
         work = np.diff(ends["work_in"])
         assert_allclose(work, work[0], rtol=CLOSED_CYCLE, atol=0.0)
         left = np.diff(ends["recoverable"])
@@ -119,14 +123,14 @@ def test_recoverable_energy_is_the_same_after_every_closed_cycle() -> None:
         heats.append(np.diff(ends["heat_released"]))
         if source == "dissipation":
             assert ends["recoverable"][0] > 1e-3 * work[0]  # Z is not zero where x is
-            released = np.diff(run.books["heat_released"])
-            assert released.min() >= -ENERGY_BOOKS * work[0]  # heat is never taken back
+            released = np.diff(run.response["heat_released"])
+            assert released.min() >= -ENERGY_BALANCE * work[0]  # heat is never taken back
     assert_allclose(heats[0], heats[1], rtol=CLOSED_CYCLE, atol=0.0)
 
 
 @pytest.mark.parametrize("half", [True, False])
 def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
-    """Both loss books against film laws written out here: Eq. 4.4 at the side, Eq. 4.15 above."""
+    """Both losses against film laws written out here: Eq. 4.4 at the side, Eq. 4.15 above."""
     bearing, dt, fold = models.specimen(), 5e-3, 2.0 if half else 1.0
     run = compute_run("eta", half, cycles(1.5))
     stack = build_stack(bearing, half=half)
@@ -136,9 +140,9 @@ def test_losses_are_those_of_the_face_and_side_temperatures(half: bool) -> None:
     sides = fold * dt * np.sum(above @ side)
     faces = above[:, 0] if half else above[:, 0] + above[:, -1]
     ends = fold * dt * np.sum(faces) * (2.0 - 1.0) * 38.76e-3 * 240.0**2 / 2.5  # eta = 2
-    books, atol = run.books[-1], ENERGY_BOOKS * run.books["work_in"][-1]
-    assert_allclose(books.heat_lost_sides, sides, rtol=0.0, atol=atol)
-    assert_allclose(books.heat_lost_ends, ends, rtol=0.0, atol=atol)
+    response, atol = run.response[-1], ENERGY_BALANCE * run.response["work_in"][-1]
+    assert_allclose(response.heat_lost_sides, sides, rtol=0.0, atol=atol)
+    assert_allclose(response.heat_lost_ends, ends, rtol=0.0, atol=atol)
 
 
 AMBIENT_BALANCE = -20.0
@@ -235,30 +239,30 @@ AMBIENTS = [-20.0, 0.0, 23.0]
 
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
 @pytest.mark.parametrize("name", quick_cases(NAMES, 0, 1))
-def test_books_close(name: str, heat_source: str, measured: Recorder) -> None:
-    books = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(heat_source=heat_source)).energy
-    mechanical = float(books["mechanical_residual"].abs().max())
-    thermal = float(books["thermal_residual"].abs().max())
-    assert mechanical <= tol.ENERGY_BOOKS
-    assert thermal <= tol.ENERGY_BOOKS
+def test_balance_closes(name: str, heat_source: str, measured: Recorder) -> None:
+    response = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(heat_source=heat_source)).energy
+    mechanical = float(response["mechanical_residual"].abs().max())
+    thermal = float(response["thermal_residual"].abs().max())
+    assert mechanical <= tol.ENERGY_BALANCE
+    assert thermal <= tol.ENERGY_BALANCE
     measured(f"Table 3.4 with rests, {name}: mechanical residual", mechanical, "1e-10")
     measured(f"Table 3.4 with rests, {name}: thermal residual", thermal, "1e-10")
 
 
 @pytest.mark.parametrize("name", NAMES[:2])
-def test_published_books_do_not_close(name: str, measured: Recorder) -> None:
+def test_published_balance_does_not_close(name: str, measured: Recorder) -> None:
     """The printed coefficients create heat; with lead, the Maxwell branch also warms nothing."""
-    books = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(scheme="published")).energy
-    thermal = books["thermal_residual"].to_numpy()
+    response = tb.run(name, ambient=AMBIENTS, model=tb.ModelOptions(scheme="published")).energy
+    thermal = response["thermal_residual"].to_numpy()
     assert (np.abs(thermal) > 0.05).all()
     text = ", ".join(f"{-value:+.1%}" for value in thermal)
     measured(
         f"published scheme, {name}, -20, 0, 23 degC: heat created, of the work", text, "reported"
     )
     if name == "shen-hdr-specimen":
-        assert np.abs(books["mechanical_residual"]).max() <= tol.ENERGY_BOOKS
+        assert np.abs(response["mechanical_residual"]).max() <= tol.ENERGY_BALANCE
     else:
-        lost = books["mechanical_residual"].to_numpy()
+        lost = response["mechanical_residual"].to_numpy()
         assert (lost > 1e-4).all()
         text = ", ".join(f"{value:.2%}" for value in lost)
         measured(

@@ -100,12 +100,12 @@ def test_cut_in_two_is_the_whole(runs: tuple[Result, Result, Result, Any]) -> No
             close(second[PREFIX + key].values, whole[PREFIX + key].values, key)
 
 
-def test_the_books_of_each_part_close(runs: tuple[Result, Result, Result, Any]) -> None:
+def test_the_balance_of_each_part_closes(runs: tuple[Result, Result, Result, Any]) -> None:
     if runs[3].get("model") == PUBLISHED:
-        return  # its books have gaps by themselves
+        return  # its balance has gaps by itself
     for part in runs[:3]:
-        assert part.energy["mechanical_residual"].abs().max() < tol.ENERGY_BOOKS
-        assert part.energy["thermal_residual"].abs().max() < tol.ENERGY_BOOKS
+        assert part.energy["mechanical_residual"].abs().max() < tol.ENERGY_BALANCE
+        assert part.energy["thermal_residual"].abs().max() < tol.ENERGY_BALANCE
 
 
 def test_a_directory_hands_over_the_same(tmp_path: Path) -> None:
@@ -139,7 +139,7 @@ def test_a_line_in_a_plane_is_along_x() -> None:
     left = end_state(second, bearing)
     assert left.across is not None
     state = tb.element(bearing, ambient=-20.0, components=2, initial=left).state
-    assert_array_equal(state.books["force"][0], second["force"].values[0, -1])
+    assert_array_equal(state.response["force"][0], second["force"].values[0, -1])
     for wrong in (
         lambda: tb.run(bearing, made([HELD]), -20.0, initial=second),
         lambda: tb.element(bearing, initial=left),
@@ -165,7 +165,7 @@ def test_a_pier_in_plan_hands_over_both_directions(name: str) -> None:
     last = tb.bridge(name, pair, -20.0, duration=2.0, initial=test, **options)
     assert last.outcome == "completed"
     assert_allclose(last["bearing_force"].values[0, 0, :2], test["force"].values[0, -1], rtol=1e-7)
-    assert last.energy["mechanical_residual"].abs().max() < tol.ENERGY_BOOKS
+    assert last.energy["mechanical_residual"].abs().max() < tol.ENERGY_BALANCE
     with pytest.raises(tb.InputError, match="of a test in a plane"):
         tb.bridge(name, pair.first, -20.0, duration=1.0, initial=test)
 
@@ -318,12 +318,12 @@ def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
         update={"initial_state": _state_after(sequence_case(cyclic(SINE)))}
     )
     (task,) = build_tasks(hybrid)  # type: ignore[arg-type]
-    books = run_task(task).rows.bearings[:, 0]
-    rows = zip(books["clock"].tolist(), books["displacement"].tolist(), strict=True)
+    response = run_task(task).rows.bearings[:, 0]
+    rows = zip(response["clock"].tolist(), response["displacement"].tolist(), strict=True)
     file = tmp_path / "hybrid.csv"
     text = "".join(f"{t!r},{x!r}\n" for t, x in rows)
     file.write_text("time_s,displacement_mm\n" + text)
-    assert np.abs(books["displacement"]).max() > 15.0
+    assert np.abs(response["displacement"]).max() > 15.0
     recorded = {"step": "recorded", "file": str(file)}
     whole = run_sequence(sequence_case(cyclic(SINE, recorded, UNLOAD, SINE)))
     the_same_end(found[2], whole[0])
@@ -337,7 +337,7 @@ def _state_after(case: SequenceCase) -> Any:
 
 @pytest.mark.parametrize("method", ["predictor-corrector", "average-acceleration"])
 def test_the_force_at_rest_moves_no_structure(method: str) -> None:
-    """It is in balance when the hybrid part begins; and the books of all parts close."""
+    """It is in balance when the hybrid part begins; and the balance of all parts closes."""
     still = {**HYBRID, "motion": {"name": "jra-ii-ii-1", "factor": 1e-6}, "method": method}
     cooled = {"part": "rest", "duration": "24 h"}  # the rate branch has relaxed
     found = run_sequence(sequence_case(cyclic(LOAD), cooled, still))
@@ -346,10 +346,10 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
     assert_allclose(history["displacement_mm"], 24.0, atol=tol.STILL)
     shaken = run_sequence(sequence_case(cyclic(LOAD), {**HYBRID, "method": method}))
     energy = shaken[1].energy.iloc[0]
-    assert abs(energy["mechanical_residual"]) < tol.ENERGY_BOOKS
-    assert abs(energy["thermal_residual"]) < tol.ENERGY_BOOKS
+    assert abs(energy["mechanical_residual"]) < tol.ENERGY_BALANCE
+    assert abs(energy["thermal_residual"]) < tol.ENERGY_BALANCE
     if method == "average-acceleration":
-        assert abs(energy["structure_residual"]) < tol.STRUCTURE_BOOKS
+        assert abs(energy["structure_residual"]) < tol.STRUCTURE_BALANCE
 
 
 def test_unloaded_specimens_start_from_zero() -> None:

@@ -214,7 +214,7 @@ def cooling(constants: types.Constants, dt: float, steps: int) -> tuple[float, n
     """Lead and cells after a rest that follows one tiny motion, from a hot lead."""
     state = types.new_state(constants, np.zeros(len(constants.cells.capacity)), 50.0)
     marched_through(constants, state, np.full(steps, 1e-9), np.full(steps, dt))
-    return state.books[0].lead_temperature, state.temperature
+    return state.response[0].lead_temperature, state.temperature
 
 
 def test_cooling_agrees_with_an_ode_solver(measured: Recorder) -> None:
@@ -514,7 +514,7 @@ def test_terms_are_what_separates_core_and_plate() -> None:
 @pytest.mark.parametrize("name", ["shen-lhdr-specimen", "shen-lhdr-bridge", "lrb-example"])
 @pytest.mark.parametrize("unlike", [False, True])
 @pytest.mark.parametrize("sides", [False, True])
-def test_energy_books_close(name: str, unlike: bool, sides: bool, measured: Recorder) -> None:
+def test_energy_balance_closes(name: str, unlike: bool, sides: bool, measured: Recorder) -> None:
     cycles = {"step": "cycles", "strain": 1.75, "wave": "sine", "speed": 100.0, "count": 3}
     test = tb.CyclicTest(dt=0.01, steps=[cycles, {"step": "rest", "duration": 3600.0}, cycles])
     faces = {"lower_face": tb.EndFace(film=20.0)} if unlike else {}
@@ -526,6 +526,6 @@ def test_energy_books_close(name: str, unlike: bool, sides: bool, measured: Reco
     )
     energy = result.energy
     residual = float(np.abs(energy[["mechanical_residual", "thermal_residual"]]).to_numpy().max())
-    assert residual < tol.ENERGY_BOOKS
+    assert residual < tol.ENERGY_BALANCE
     how = "in touch with shims" if sides else "confined"
-    measured(f"energy books, lead on finite plates, {how}, {name}", f"{residual:.1e}", "1e-10")
+    measured(f"energy balance, lead on finite plates, {how}, {name}", f"{residual:.1e}", "1e-10")

@@ -58,7 +58,7 @@ def begun(bearing: Bearing, constants: types.Constants, lane: int) -> tuple[Any,
     state, spare = (types.new_state(constants, np.full(n, air)) for _ in range(2))
     path = types.Path(x, np.full(STEPS, DT), np.full(STEPS, air), np.ones(STEPS, np.bool_), 0.0)
     room = types.Kept(
-        rows(types.Books, STEPS),
+        rows(types.BearingResponse, STEPS),
         *(np.zeros((STEPS, layers)) for _ in range(3)),
         np.zeros((STEPS, n)),
     )
@@ -79,8 +79,8 @@ def assert_alike(bearing: Bearing, constants: list[types.Constants]) -> list[int
         if outcome in (types.COMPLETED, types.SOFTENED):  # one that failed goes on, to no use
             assert ends[1, lane] == softened
         room, room_together = one[-1], together[-1]
-        force = room.books["force"][:kept]
-        apart = np.abs(force - room_together.books["force"][:kept, lane]).max()
+        force = room.response["force"][:kept]
+        apart = np.abs(force - room_together.response["force"][:kept, lane]).max()
         assert apart <= tol.LANE_FORCE * np.abs(force).max()
         cells = room.cells[:kept] - room_together.cells[:kept, :, lane]
         assert np.abs(cells).max() <= tol.LANE_TEMPERATURE
@@ -113,8 +113,8 @@ def test_a_run_that_fails_spoils_no_other() -> None:
         done, _, outcome, _, _ = march(*one)
         assert ends[0, lane] == outcome
         assert outcome == (types.EULER_UNSTABLE if lane % 2 else types.COMPLETED)
-        force = one[-1].books["force"][:done]
-        apart = np.abs(force - together[-1].books["force"][:done, lane]).max()
+        force = one[-1].response["force"][:done]
+        apart = np.abs(force - together[-1].response["force"][:done, lane]).max()
         assert apart <= tol.LANE_FORCE * np.abs(force).max()
 
 
@@ -172,7 +172,9 @@ def test_company_does_not_matter(within: bool) -> None:
         march_lanes(*together, aligned((3, WIDTH), np.float64))
     for place, lane in enumerate(order):
         for name in ("force", "work_in", "heat_stored", "lead_temperature"):
-            assert_array_equal(second[-1].books[name][..., place], first[-1].books[name][..., lane])
+            assert_array_equal(
+                second[-1].response[name][..., place], first[-1].response[name][..., lane]
+            )
         assert_array_equal(second[-1].cells[..., place], first[-1].cells[..., lane])
 
 
@@ -198,7 +200,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
 
 
 def list_numbers(found: RunPeaks) -> dict[str, Any]:
-    groups = ("watches", "lines", "hinges", "books", "bearings")
+    groups = ("watches", "lines", "hinges", "response", "bearings")
     columns = {group: getattr(found, group) for group in groups}
     return {f"{g}.{name}": c[name] for g, c in columns.items() for name in c.dtype.names}
 
@@ -211,9 +213,9 @@ SCALES = {  # what the end of a run is a part of
     "bearings.rubber_force": "lines.force",
     "bearings.lead_force": "lines.force",
     "bearings.viscous_force": "lines.force",
-    "books.kinetic": "books.input",
-    "books.springs": "books.input",
-    "books.hinges": "books.input",
+    "energies.kinetic": "energies.input",
+    "energies.springs": "energies.input",
+    "energies.hinges": "energies.input",
 }
 
 
@@ -286,7 +288,7 @@ def test_peaks_are_those_of_the_rows() -> None:
     assert_array_equal(found.watches["displacement"], np.abs(history.rows.q).max(axis=0))
     assert_array_equal(found.watches["residual"], history.rows.q[-1])
     assert_array_equal(found.watches["acceleration"], np.abs(history.rows.a).max(axis=0))
-    assert found.books[0].input == history.rows.books[-1].input
+    assert found.energies[0].input == history.rows.energies[-1].input
     warm = run_peaks(shakes()[8])
     air = shakes()[8]
     rows_ = with_rows(air)
@@ -306,9 +308,13 @@ def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
     assert found.outcome == "lead_melted"
     assert found.bearings[0] == history.bearing()[-1]
     for name in ("input", "kinetic", "hinges"):
-        assert found.books[0][name] == history.rows.books[-1][name]
+        assert found.response[0][name] == history.rows.response[-1][name]
     at_once = run_peaks(dataclasses.replace(run, ground=np.array([0.0, np.nan])))
-    assert (at_once.steps, at_once.bearings["work_in"][0], at_once.books["input"][0]) == (0, 0, 0)
+    assert (at_once.steps, at_once.bearings["work_in"][0], at_once.energies["input"][0]) == (
+        0,
+        0,
+        0,
+    )
 
 
 @pytest.mark.thorough

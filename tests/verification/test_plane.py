@@ -54,7 +54,7 @@ def begun(constants: Constants, temperature: float, components: int = 2) -> tupl
 
 
 def moved(constants: Constants, x: Floats, temperature: float, dt: float = DT) -> Any:
-    """Books [steps] and the last state of a march in the plane."""
+    """BearingResponse [steps] and the last state of a march in the plane."""
     count = len(x)
     state, spare = begun(constants, temperature)
     path = Path(
@@ -143,8 +143,8 @@ def test_turning_the_motion_turns_the_forces(bearing: str) -> None:
     constants, x = plane_constants(bearing), wandering(60.0, 150)
     plain, state = moved(constants, x, -20.0)
     other, last = moved(constants, turned(x, 1.1), -20.0)
-    force = turned(plain.books["force"], 1.1)
-    assert_allclose(other.books["force"], force, rtol=0.0, atol=tol.PLANE_TURNED)
+    force = turned(plain.response["force"], 1.1)
+    assert_allclose(other.response["force"], force, rtol=0.0, atol=tol.PLANE_TURNED)
     assert_allclose(other.hysteretic, turned(plain.hysteretic, 1.1), atol=tol.PLANE_TURNED)
     assert_allclose(last.temperature, state.temperature, rtol=0.0, atol=tol.PLANE_TURNED)
 
@@ -273,17 +273,17 @@ def test_tangent_and_energy_of_a_step(
         state, spare = spare, state
     assert softened > 0
     rows, state = moved(constants, wandering(70.0, 300), temperature)
-    for books in (state.books[0], rows.books[100]):
-        lost = books.heat_lost_ends + books.heat_lost_sides
+    for response in (state.response[0], rows.response[100]):
+        lost = response.heat_lost_ends + response.heat_lost_sides
         residual = max(
-            abs(books.work_in - books.heat_released - books.recoverable),
-            abs(books.heat_released - books.heat_stored - lost),
+            abs(response.work_in - response.heat_released - response.recoverable),
+            abs(response.heat_released - response.heat_stored - lost),
         )
-        assert residual <= tol.ENERGY_BOOKS * books.work_in
+        assert residual <= tol.ENERGY_BALANCE * response.work_in
         name = "energy balance of random walks in a plane, of the work"
-        measured(name, residual / books.work_in, f"{tol.ENERGY_BOOKS:g}")
+        measured(name, residual / response.work_in, f"{tol.ENERGY_BALANCE:g}")
     assert_allclose(
-        rows.layer_displacement[-1].T @ constants.multiplicity, rows.books["displacement"][-1]
+        rows.layer_displacement[-1].T @ constants.multiplicity, rows.response["displacement"][-1]
     )
 
 
@@ -305,7 +305,7 @@ def test_layers_soften_by_the_smallest_eigenvalue() -> None:
         t = min(max(t, 0.0), 1.0)
         expected.append(t * t * (3.0 - 2.0 * t))
     assert 0.0 < np.mean(np.array(expected) > 0.0) < 0.5
-    assert_allclose(rows.books["sharing_weight"], expected, rtol=0.0, atol=1e-9)
+    assert_allclose(rows.response["sharing_weight"], expected, rtol=0.0, atol=1e-9)
 
 
 def test_smallest_eigenvalue_of_the_symmetric_part() -> None:
@@ -327,7 +327,7 @@ def test_a_circle_has_a_force_of_constant_size(measured: Recorder) -> None:
     phi = np.array([math.sin(behind), math.cos(behind)])  # of Z, outward and in the motion
     h = 1.0 + rubber.hardening * r * r
     expected = rubber.hysteretic_stiffness * h * d_y * phi + [rubber.elastic_stiffness * r, 0.0]
-    x, force = rows.books["displacement"][-steps:], rows.books["force"][-steps:]
+    x, force = rows.response["displacement"][-steps:], rows.response["force"][-steps:]
     outward = x / radius
     onward = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
     found = np.stack([(force * outward).sum(axis=1), (force * onward).sum(axis=1)], axis=1)
@@ -345,7 +345,7 @@ def test_a_rigid_plastic_core_works_pi_half_times_as_much_on_a_circle(measured: 
     constants = bilinear_constants(BilinearParameters(5.0, 1e-3, 1e7))
     radius, steps = 40.0, 2000
     rows, _ = moved(constants, circle(radius, 3, steps), 20.0)
-    work = rows.books["work_in"]
+    work = rows.response["work_in"]
     line = 4.0 * 5.0 * radius
     ratio = float(work[-1] - work[-1 - steps]) / line
     assert_allclose(ratio, 0.5 * math.pi, rtol=tol.PLANE_CIRCLE)
@@ -378,7 +378,7 @@ def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str, measured:
 def rubber_forces(x: Floats) -> tuple[Floats, Floats]:
     """Displacements and forces of the last 400 steps, of the HDR specimen at 23 degC."""
     rows, _ = moved(isothermal(plane_constants(HDR)), x, 23.0)
-    last = rows.books[-400:]
+    last = rows.response[-400:]
     return last["displacement"], last["force"]
 
 
@@ -442,9 +442,9 @@ def test_a_test_along_a_line_in_the_plane() -> None:
     line, plane = runs
     assert (line.outcome, line.kept, line.steps) == (plane.outcome, plane.kept, plane.steps)
     assert line.steps > len(x)
-    scale = np.abs(line.rows.books["force"]).max() * tol.PLANE_LINE
-    force = np.outer(line.rows.books["force"], e)
-    assert_allclose(plane.rows.books["force"], force, rtol=0.0, atol=scale)
+    scale = np.abs(line.rows.response["force"]).max() * tol.PLANE_LINE
+    force = np.outer(line.rows.response["force"], e)
+    assert_allclose(plane.rows.response["force"], force, rtol=0.0, atol=scale)
     d = line.rows.layer_displacement[..., np.newaxis] * e
     assert_allclose(plane.rows.layer_displacement, d, rtol=0.0, atol=100.0 * tol.PLANE_LINE)
     for name in ("rubber", "cells"):
@@ -464,7 +464,7 @@ def test_an_element_moves_in_the_plane() -> None:
     other = element.set_trial(np.array([-3.0, 9.0]), dt=0.1)
     element.commit()
     element.restore(saved)
-    assert_allclose(element.state.books["displacement"], [[3.0, 4.0]])
+    assert_allclose(element.state.response["displacement"], [[3.0, 4.0]])
     again = element.set_trial((-3.0, 9.0), dt=0.1)
     assert again.force.tolist() == other.force.tolist()
     element.revert_to_start()

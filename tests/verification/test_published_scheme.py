@@ -143,7 +143,7 @@ def test_coupled_steps_solve_the_printed_system_with_the_printed_source() -> Non
     )
     new, old, outflow = printed_system(dt, eta)
     d = np.vstack([np.zeros(3), run.d]) * 1e-3  # m
-    f = np.concatenate([[0.0], run.books["force"]]) * 1e3  # N
+    f = np.concatenate([[0.0], run.response["force"]]) * 1e3  # N
     cells = np.vstack([np.full(19, -20.0), run.cells])
     for i in range(len(run.d)):
         w = np.zeros(19)

@@ -1,4 +1,4 @@
-"""Virgin rubber: its limits, its memory, tangent, energy books, and hostile histories."""
+"""Virgin rubber: its limits, its memory, tangent, energy balance, and hostile histories."""
 
 import math
 from typing import Any
@@ -98,28 +98,28 @@ def test_first_cycle_of_every_amplitude_is_stiffer() -> None:
 
 @pytest.mark.parametrize("heat_source", ["work", "dissipation"])
 @pytest.mark.parametrize("ambient", [-20.0, 23.0])
-def test_energy_books_close(heat_source: str, ambient: float, measured: Recorder) -> None:
+def test_energy_balance_closes(heat_source: str, ambient: float, measured: Recorder) -> None:
     model = tb.ModelOptions(heat_source=heat_source)
     result = run(virgin(), [1.5, 3.0], ambient=ambient, model=model)
     energy = result.energy.iloc[0]
     worst = max(abs(energy["mechanical_residual"]), abs(energy["thermal_residual"]))
     measured(
-        f"energy books, virgin rubber, {heat_source}, {ambient:g} degC", f"{worst:.1e}", "1e-10"
+        f"energy balance, virgin rubber, {heat_source}, {ambient:g} degC", f"{worst:.1e}", "1e-10"
     )
-    assert worst < tol.ENERGY_BOOKS
+    assert worst < tol.ENERGY_BALANCE
 
 
 def test_lost_stiffness_is_heat() -> None:
-    books = marched(
+    response = marched(
         assembled(virgin(), heat_source="dissipation"),
         np.linspace(0.0, 40.0, 400),
         0.005,
         23.0,
         23.0,
-    ).books
-    released = np.diff(books["heat_released"])
-    total = books["heat_released"] + books["recoverable"]
-    assert_allclose(total, books["work_in"], rtol=tol.LOOP, atol=1e-9)
+    ).response
+    released = np.diff(response["heat_released"])
+    total = response["heat_released"] + response["recoverable"]
+    assert_allclose(total, response["work_in"], rtol=tol.LOOP, atol=1e-9)
     assert np.all(released[20:] > 0.0)
 
 
@@ -179,8 +179,8 @@ def test_no_step_fails_in_hostile_histories(ambient: float, dt: float) -> None:
     found = marched(
         assembled(virgin(amplitude=4.0, mullins_amplitude=0.6)), x, dt, ambient, ambient
     )
-    assert np.isfinite(numbers(found.books)).all()
-    assert len(found.books) == len(x)
+    assert np.isfinite(numbers(found.response)).all()
+    assert len(found.response) == len(x)
 
 
 def test_each_layer_has_its_own_memory() -> None:

@@ -126,10 +126,10 @@ def test_energy_of_a_pier_in_plan(name: str, measured: Recorder) -> None:
     rotations = np.abs(history.rows.hinges["rotation"]).max(axis=0)
     assert rotations.max() > prepared.structure.hinges[0].yield_rotation
     left = energy_residual(history)
-    measured(f"energy books of pier P1 in plan, {name}, of the input", f"{left:.1e}", "1e-10")
-    assert left < tol.PLAN_BOOKS
+    measured(f"energy balance of pier P1 in plan, {name}, of the input", f"{left:.1e}", "1e-10")
+    assert left < tol.PLAN_BALANCE
     work = 5.0 * history.bearing()[-1].work_in
-    assert_allclose(history.rows.books[-1].bearings, work, rtol=tol.LOOP)
+    assert_allclose(history.rows.energies[-1].bearings, work, rtol=tol.LOOP)
 
 
 def test_eccentric_linear_deck_against_its_exact_solution(measured: Recorder) -> None:

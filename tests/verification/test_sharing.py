@@ -34,7 +34,7 @@ def history(name: str) -> Floats:
 
 
 def healthy(run: models.Run) -> np.ndarray:
-    return np.asarray(run.books["sharing_weight"] == 0.0)
+    return np.asarray(run.response["sharing_weight"] == 0.0)
 
 
 @pytest.mark.parametrize("temperature", [-20.0, 0.0, 23.0])
@@ -46,7 +46,7 @@ def test_layer_forces_are_equal_and_displacements_add_up(
     run = models.marched(
         models.assembled(models.specimen()), history(name), 5e-3, temperature, temperature
     )
-    ok, force = healthy(run), run.books["force"]
+    ok, force = healthy(run), run.response["force"]
     assert ok.mean() > 0.9
     peak = np.max(np.abs(force))
     apart = np.abs(models.layer_forces(models.specimen(), run) - force[:, None])
@@ -56,10 +56,13 @@ def test_layer_forces_are_equal_and_displacements_add_up(
     assert_allclose(apart[ok], 0.0, rtol=0.0, atol=tol.EQUAL_FORCE * peak)
     # The mismatch that the run reports is this very difference, softened steps included.
     assert_allclose(
-        run.books["layer_force_mismatch"], apart.max(axis=1), rtol=0.0, atol=tol.EQUAL_FORCE * peak
+        run.response["layer_force_mismatch"],
+        apart.max(axis=1),
+        rtol=0.0,
+        atol=tol.EQUAL_FORCE * peak,
     )
     total = run.d @ run.constants.multiplicity
-    assert_allclose(total, run.books["displacement"], rtol=0.0, atol=tol.ADDS_UP)
+    assert_allclose(total, run.response["displacement"], rtol=0.0, atol=tol.ADDS_UP)
 
 
 @pytest.mark.parametrize("temperature", quick_cases([-20.0, 0.0, 23.0], 0))
@@ -122,9 +125,9 @@ def test_equal_layers_share_equally() -> None:
     many = models.marched(models.assembled(six), x, 5e-3, -20.0, -20.0)
     single = models.marched(models.assembled(one), x / 6.0, 5e-3, -20.0, -20.0)
     assert_allclose(many.d, np.repeat(x[:, None] / 6.0, 3, axis=1), rtol=0.0, atol=tol.ADDS_UP)
-    peak = np.abs(single.books["force"]).max()
+    peak = np.abs(single.response["force"]).max()
     assert_allclose(
-        many.books["force"], single.books["force"], rtol=0.0, atol=tol.ISOTHERMAL_FORCE * peak
+        many.response["force"], single.response["force"], rtol=0.0, atol=tol.ISOTHERMAL_FORCE * peak
     )
 
 
@@ -136,9 +139,9 @@ def full_and_half(layers: int, shim_cells: int) -> tuple[float, float]:
     x = models.sine(bearing, strain=2.0, period=4.0, cycles=3, dt=5e-3)
     full = models.marched(models.assembled(bearing, half=False), x, 5e-3, -10.0, -20.0)
     half = models.marched(models.assembled(bearing), x, 5e-3, -10.0, -20.0)
-    force = half.books["force"]
+    force = half.response["force"]
     upper = full.layer_start[:, : half.layer_start.shape[1]]
-    by_force = np.abs(full.books["force"] - force).max() / np.abs(force).max()
+    by_force = np.abs(full.response["force"] - force).max() / np.abs(force).max()
     return float(by_force), float(np.abs(upper - half.layer_start).max())
 
 
@@ -176,9 +179,9 @@ def test_opposite_motion_gives_the_opposite_force_and_the_same_heat() -> None:
     x = models.smooth_history(np.random.default_rng(8), 80.0, 3000)
     there = models.marched(models.assembled(models.specimen()), x, 5e-3, -30.0, -20.0)
     back = models.marched(models.assembled(models.specimen()), -x, 5e-3, -30.0, -20.0)
-    peak = np.abs(there.books["force"]).max()
+    peak = np.abs(there.response["force"]).max()
     assert_allclose(
-        there.books["force"], -back.books["force"], rtol=0.0, atol=tol.ISOTHERMAL_FORCE * peak
+        there.response["force"], -back.response["force"], rtol=0.0, atol=tol.ISOTHERMAL_FORCE * peak
     )
     assert_allclose(there.cells, back.cells, rtol=0.0, atol=tol.MIRROR)
 
@@ -189,7 +192,7 @@ def test_same_input_gives_the_same_bits() -> None:
         models.marched(models.assembled(models.specimen()), x, 5e-3, -40.0, -40.0) for _ in range(2)
     )
     assert first.softened > 0
-    for name in ("books", "d", "z", "cells"):
+    for name in ("response", "d", "z", "cells"):
         assert_array_equal(getattr(first, name), getattr(second, name))
 
 

@@ -190,10 +190,10 @@ def test_layers_share_one_force_and_z_is_the_law(
     constants = assembled(specimen(), half=half, **CLOSED)
     run = marched(constants, shaken, 5e-3, temperature, temperature)
     assert run.outcome in (COMPLETED, SOFTENED)
-    peak = np.abs(run.books["force"]).max()
-    plain = run.books["sharing_weight"] == 0.0
+    peak = np.abs(run.response["force"]).max()
+    plain = run.response["sharing_weight"] == 0.0
     assert plain.mean() > 0.8
-    assert run.books["layer_force_mismatch"][plain].max() < tol.EQUAL_FORCE * peak
+    assert run.response["layer_force_mismatch"][plain].max() < tol.EQUAL_FORCE * peak
     for j in range(run.d.shape[1]):
         law = Law()
         law.rubber = constants.rubber
@@ -205,10 +205,10 @@ def test_layers_share_one_force_and_z_is_the_law(
 @pytest.mark.parametrize("temperature", [-30.0, 23.0])
 def test_energy_balances(shaken: Floats, source: str, temperature: float) -> None:
     constants = assembled(specimen(), heat_source=source, **CLOSED)
-    books = marched(constants, shaken, 5e-3, temperature, temperature).books[-1]
-    missing = books.work_in - books.heat_released - books.recoverable
-    assert abs(missing) < tol.ENERGY_BOOKS * books.work_in
-    assert books.heat_released > 0.0
+    response = marched(constants, shaken, 5e-3, temperature, temperature).response[-1]
+    missing = response.work_in - response.heat_released - response.recoverable
+    assert abs(missing) < tol.ENERGY_BALANCE * response.work_in
+    assert response.heat_released > 0.0
 
 
 def test_the_tangent_of_a_bearing(shaken: Floats) -> None:
@@ -322,7 +322,7 @@ def test_a_hybrid_test_hands_its_memory_over() -> None:
         left = tb.end_state(first, name)
         assert left.layer_turns == first.dataset["state_layer_turns"].values[number].tolist()
         element = tb.element(name, -20, initial=left, model=LOOPS_CLOSED)
-        force = element.state.books["force"][0]
+        force = element.state.response["force"][0]
         assert element.set_trial(left.at, 1e-3).force == pytest.approx(force, rel=1e-3)
 
 

@@ -50,12 +50,12 @@ def test_no_history_ends_a_run(dt: float, steps: int, half: bool) -> None:
             x = models.smooth_history(rng, strain * bearing.total_rubber_thickness, steps)
             run = models.marched(constants, x, dt, temperature, temperature)
             assert run.outcome in (COMPLETED, SOFTENED)
-            assert len(run.books) == steps
-            assert np.isfinite(models.numbers(run.books)).all()
+            assert len(run.response) == steps
+            assert np.isfinite(models.numbers(run.response)).all()
             assert np.isfinite(run.cells).all()
             assert np.abs(run.z).max() <= d_y
             total = run.d @ constants.multiplicity
-            assert_allclose(total, run.books["displacement"], rtol=0.0, atol=tol.ADDS_UP)
+            assert_allclose(total, run.response["displacement"], rtol=0.0, atol=tol.ADDS_UP)
             softened += run.softened
     assert softened > 0  # the hard regime was visited
 
@@ -74,8 +74,8 @@ def test_jumps_within_one_step_end_no_run(half: bool) -> None:
             uneven = temperature + rng.uniform(-20.0, 20.0, len(constants.cells.capacity))
             run = models.marched(constants, x, 5e-3, uneven, temperature)
             assert run.outcome in (COMPLETED, SOFTENED)
-            assert len(run.books) == len(x)
-            assert np.isfinite(models.numbers(run.books)).all()
+            assert len(run.response) == len(x)
+            assert np.isfinite(models.numbers(run.response)).all()
             assert_allclose(run.d @ constants.multiplicity, x, rtol=0.0, atol=tol.ADDS_UP)
 
 
@@ -88,8 +88,8 @@ def cold_run(dt: float, temperature: float = -40.0, strain: float = 3.0) -> mode
 def test_softened_runs_converge_with_the_time_step() -> None:
     runs = [cold_run(dt) for dt in (10e-3, 5e-3, 2.5e-3)]
     assert all(run.softened > 0 for run in runs)
-    peak = np.array([np.abs(run.books["force"]).max() for run in runs])
-    work = np.array([run.books["work_in"][-1] for run in runs])
+    peak = np.array([np.abs(run.response["force"]).max() for run in runs])
+    work = np.array([run.response["work_in"][-1] for run in runs])
     assert_allclose(peak[:-1], peak[1:], rtol=tol.SOFTENED_PEAK, atol=0.0)
     assert_allclose(work[:-1], work[1:], rtol=tol.SOFTENED_WORK, atol=0.0)
     for values in (peak, work):  # and the differences shrink
@@ -140,15 +140,17 @@ def test_mismatch_is_reported_as_it_is(
     """In softened steps too, the reported mismatch is the distance from the printed law."""
     bearing = load_bearing(name)
     run = full_cycles(bearing, temperature, strain, 5e-3)
-    rubber, force = run.books["rubber_force"], run.books["force"]
+    rubber, force = run.response["rubber_force"], run.response["force"]
     apart = np.abs(models.layer_forces(bearing, run) - rubber[:, None]).max(axis=1)
-    soft = run.books["sharing_weight"] > 0.0
+    soft = run.response["sharing_weight"] > 0.0
     assert run.softened == np.count_nonzero(soft) > 0
     peak = np.abs(force).max()
     text = f"{apart.max():.2f} kN of {peak:.0f} kN"
     given = f"{name}, {temperature:g} degC, {100.0 * strain:g} %, five cycles"
     measured(f"softened layers, {given}: layer law at most this far from F", text, "reported")
-    assert_allclose(run.books["layer_force_mismatch"], apart, rtol=0.0, atol=tol.EQUAL_FORCE * peak)
+    assert_allclose(
+        run.response["layer_force_mismatch"], apart, rtol=0.0, atol=tol.EQUAL_FORCE * peak
+    )
     assert_allclose(apart[~soft], 0.0, rtol=0.0, atol=tol.EQUAL_FORCE * peak)
 
 
@@ -159,15 +161,15 @@ def test_layer_forces_are_equal_under_the_law_that_softened_steps_use() -> None:
     h, t_r, w = (
         bearing.hysteresis,
         bearing.geometry.rubber_thickness,
-        run.books["sharing_weight"][:, None],
+        run.response["sharing_weight"][:, None],
     )
-    mean = run.books["displacement"][:, None] / bearing.geometry.rubber_layers
+    mean = run.response["displacement"][:, None] / bearing.geometry.rubber_layers
     printed = h.hardening * (run.d / t_r) ** 2
     shared = h.hardening * (((1.0 - w) * run.d + w * mean) / t_r) ** 2
     warmer = h.hysteretic_temperature_coefficient * (run.layer_start - 23.0) / 100.0
     kh = (1.0 - h.post_yield_ratio) * np.exp(warmer) * h.layer_stiffness
     force = models.layer_forces(bearing, run) + (shared - printed) * kh * run.z
-    common = run.books["force"][:, None]
+    common = run.response["force"][:, None]
     atol = tol.EQUAL_FORCE * np.abs(common).max()
     assert_allclose(force, np.broadcast_to(common, force.shape), rtol=0.0, atol=atol)
 
@@ -175,7 +177,7 @@ def test_layer_forces_are_equal_under_the_law_that_softened_steps_use() -> None:
 def edge_jumps(dt: float) -> tuple[float, float]:
     """Largest change of w in one step, and bend of the force [kN] where w leaves or enters zero."""
     run = cold_run(dt)
-    weight, force = run.books["sharing_weight"], run.books["force"]
+    weight, force = run.response["sharing_weight"], run.response["force"]
     edges = np.flatnonzero(np.diff((weight > 0.0).astype(int)) != 0)
     assert len(edges) == 12  # in and out, twice a cycle
     return float(np.abs(np.diff(weight)).max()), float(np.abs(np.diff(force, 2))[edges - 1].max())
@@ -197,7 +199,7 @@ def isothermal(bearing: Bearing, hardening: str, temperature: float, strain: flo
     one = models.changed(bearing, geometry={"rubber_layers": 1})
     constants = models.assembled(one, hardening=hardening)._replace(source_rise=0.0)
     x = models.sine(one, strain=strain, period=4.0, cycles=2, dt=5e-3)
-    force = models.marched(constants, x, 5e-3, temperature, temperature).books["rubber_force"]
+    force = models.marched(constants, x, 5e-3, temperature, temperature).response["rubber_force"]
     h = bearing.hysteresis
     colder = (temperature - h.reference_temperature) / 100.0
     ke = h.post_yield_ratio * h.layer_stiffness * np.exp(h.elastic_temperature_coefficient * colder)
@@ -256,17 +258,17 @@ def test_no_layer_softens_and_forces_are_equal(half: bool) -> None:
             )
             assert run.outcome == COMPLETED
             assert run.softened == 0
-            peak = np.abs(run.books["force"]).max()
-            assert run.books["layer_force_mismatch"].max() < tol.EQUAL_FORCE * peak
+            peak = np.abs(run.response["force"]).max()
+            assert run.response["layer_force_mismatch"].max() < tol.EQUAL_FORCE * peak
 
 
 @pytest.mark.parametrize("source", ["work", "dissipation"])
-def test_energy_books_close(source: str) -> None:
+def test_energy_balance_closes(source: str) -> None:
     x = models.sine(models.specimen(), strain=3.0, period=4.0, cycles=3, dt=5e-3)
     constants = models.assembled(models.specimen(), hardening="monotone", heat_source=source)
-    books = models.marched(constants, x, 5e-3, -40.0, -40.0).books[-1]
-    missing = books.work_in - books.heat_released - books.recoverable
-    assert abs(missing) < tol.ENERGY_BOOKS * books.work_in
+    response = models.marched(constants, x, 5e-3, -40.0, -40.0).response[-1]
+    missing = response.work_in - response.heat_released - response.recoverable
+    assert abs(missing) < tol.ENERGY_BALANCE * response.work_in
 
 
 def test_tangent_is_the_derivative_of_the_force() -> None:

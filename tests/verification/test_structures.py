@@ -1,4 +1,4 @@
-"""Structures in earthquakes: periods, exact solutions, energy books, convergence, similitude."""
+"""Structures in earthquakes: periods, exact solutions, energy balance, convergence, similitude."""
 
 import numpy as np
 import pytest
@@ -98,9 +98,9 @@ def test_linear_structure_against_the_exact_solution(method: Method, measured: R
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
 @pytest.mark.parametrize("method", METHODS)
-def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
+def test_energy_balance(name: str, method: Method, measured: Recorder) -> None:
     """Input = kinetic + damping + springs + hinge + bearings; a strong motion that yields the
-    pier. The work of the bearings comes from the bearings' own books."""
+    pier. The work of the bearings comes from the bearings' own energies."""
     ground = 2.0 * read_ground("jra-ii-i-1", DT)
     prepared, history = shaken("pier-p1", real_bearing(name), ground, DT, method=method)
     assert history.outcome == "completed"
@@ -108,14 +108,14 @@ def test_energy_books(name: str, method: Method, measured: Recorder) -> None:
     assert np.abs(history.hinge()["rotation"]).max() > yielded
     left = energy_residual(history)
     measured(
-        f"energy books of pier P1, {name}, {method}, of the input",
+        f"energy balance of pier P1, {name}, {method}, of the input",
         f"{left:.1e}",
-        f"{tol.STRUCTURE_BOOKS:g}" if method == METHODS[0] else "reported",
+        f"{tol.STRUCTURE_BALANCE:g}" if method == METHODS[0] else "reported",
     )
     work = 5.0 * history.bearing()[-1].work_in
-    assert_allclose(history.rows.books[-1].bearings, work, rtol=tol.LOOP)
+    assert_allclose(history.rows.energies[-1].bearings, work, rtol=tol.LOOP)
     if method == "average-acceleration":
-        assert left < tol.STRUCTURE_BOOKS
+        assert left < tol.STRUCTURE_BALANCE
     assert left < 0.02
 
 
@@ -208,9 +208,9 @@ def test_pseudo_dynamic_specimen_has_its_own_clock() -> None:
     bearing = slow.bearing()
     way = np.abs(np.diff(bearing["displacement"])).sum()
     assert_allclose(bearing[-1].clock, way / 10.0, rtol=1e-4)
-    assert bearing[-1].clock > 2.0 * slow.rows.books[-1].clock
+    assert bearing[-1].clock > 2.0 * slow.rows.energies[-1].clock
     _, fast = shaken("hybrid-pier", constants, ground, DT, method="predictor-corrector")
-    assert_allclose(fast.bearing()["clock"], fast.rows.books["clock"], atol=1e-9)
+    assert_allclose(fast.bearing()["clock"], fast.rows.energies["clock"], atol=1e-9)
     warm = [float(h.layers()[:, 0].max()) for h in (slow, fast)]
     assert warm[0] < warm[1]  # more time to cool
 
@@ -242,12 +242,12 @@ def test_delay_and_noise() -> None:
 
 
 def test_a_step_without_equilibrium_is_cut() -> None:
-    """Huge steps on the hardest case: substeps are taken, the books still close."""
+    """Huge steps on the hardest case: substeps are taken, the balance still closes."""
     ground = 2.0 * read_ground("jra-ii-i-1", 0.05)
     _, history = shaken("pier-p1", real_bearing("shen-hdr-bridge"), ground, 0.05, ambient=-40.0)
     assert history.outcome == "completed"
     assert history.substeps > 0
-    assert energy_residual(history) < tol.STRUCTURE_BOOKS
+    assert energy_residual(history) < tol.STRUCTURE_BALANCE
 
 
 def test_failure_is_a_typed_outcome() -> None:

@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator
 
 import thermobearing as tb
 from tests.conftest import Recorder
-from tests.tolerances import ENERGY_BOOKS, ISOTHERMAL_FORCE, LOOP, TABLE_SLOPE
+from tests.tolerances import ENERGY_BALANCE, ISOTHERMAL_FORCE, LOOP, TABLE_SLOPE
 from tests.verification.models import Run, assembled, changed, marched, numbers, sine, specimen
 from thermobearing.bearing.compound import load_compound
 from thermobearing.bearing.model import Bearing, TemperatureLaw
@@ -48,9 +48,9 @@ def test_a_table_of_the_exponential_law_is_that_law(temperature: float) -> None:
     hysteretic = np.exp(h.hysteretic_temperature_coefficient * warmer)
     found = cycles(tabled_bearing(elastic, hysteretic), temperature)
     wanted = cycles(specimen(), temperature)
-    force = wanted.books["force"]
+    force = wanted.response["force"]
     atol = ISOTHERMAL_FORCE * np.abs(force).max()
-    assert_allclose(found.books["force"], force, rtol=0.0, atol=atol)
+    assert_allclose(found.response["force"], force, rtol=0.0, atol=atol)
 
 
 def test_table_is_met_and_monotone_and_smooth_between() -> None:
@@ -79,7 +79,7 @@ def test_stiffness_is_that_of_the_table() -> None:
     softer = changed(
         specimen(), hysteresis=NO_EXPONENTS | {"layer_stiffness": factor * h.layer_stiffness}
     )
-    assert_allclose(found.books["force"][0], cycles(softer, at).books["force"][0], rtol=LOOP)
+    assert_allclose(found.response["force"][0], cycles(softer, at).response["force"][0], rtol=LOOP)
 
 
 def test_the_exponential_law_is_too_soft_when_warm(measured: Recorder) -> None:
@@ -107,7 +107,7 @@ def test_a_viscosity_of_one_is_that_without_a_table() -> None:
     x = sine(specimen(), strain=1.5, period=2.0, cycles=1, dt=0.01)
     plain = marched(assembled(tb.load_bearing("shen-lhdr-specimen")), x, 0.01, -20.0, -20.0)
     table = marched(assembled(with_viscosity([1.0, 1.0, 1.0])), x, 0.01, -20.0, -20.0)
-    assert_array_equal(numbers(table.books), numbers(plain.books))
+    assert_array_equal(numbers(table.response), numbers(plain.response))
 
 
 def viscous_force(dt: float, source: str = "work") -> tuple[Run, Any]:
@@ -138,7 +138,7 @@ def test_viscosity_follows_the_layers_as_scipy_integrates_it(measured: Recorder)
     errors, warmed = [], 0.0
     for dt in (0.01, 0.005):
         run, exact = viscous_force(dt)
-        errors.append(float(np.abs(run.books["viscous_force"] - exact).max() / exact.max()))
+        errors.append(float(np.abs(run.response["viscous_force"] - exact).max() / exact.max()))
         warmed = float(run.layer_start[-1].mean() + 20.0)
     assert warmed > 5.0  # else the test shows nothing
     measured(
@@ -155,12 +155,12 @@ def test_energy_balance_with_a_viscosity_that_falls(source: str) -> None:
     bearing = with_viscosity([8.0, 3.0, 1.0])
     x = sine(bearing, strain=2.0, period=1.0, cycles=3, dt=0.01)
     run = marched(assembled(bearing, heat_source=source), x, 0.01, -20.0, -20.0)
-    end = run.books[-1]
+    end = run.response[-1]
     stored = end["heat_stored"] + end["heat_lost_ends"] + end["heat_lost_sides"]
     assert abs(end["work_in"] - end["heat_released"] - end["recoverable"]) < (
-        ENERGY_BOOKS * end["work_in"]
+        ENERGY_BALANCE * end["work_in"]
     )
-    assert abs(end["heat_released"] - stored) < ENERGY_BOOKS * end["work_in"]
+    assert abs(end["heat_released"] - stored) < ENERGY_BALANCE * end["work_in"]
 
 
 def test_parameters_of_a_fit_leave_the_table_alone() -> None:

@@ -21,7 +21,7 @@ from thermobearing.structure.types import (
     NO_SECTIONS,
     LineFactors,
     Section,
-    SectionBooks,
+    SectionEnergies,
     SectionPeak,
     Support,
     System,
@@ -54,7 +54,7 @@ def _system(joint):
         "number": np.zeros(1, dtype=np.int64),
         "columns": column,
         "sections": sections,
-        "books": rows(SectionBooks, 1),
+        "energies": rows(SectionEnergies, 1),
         "peaks": rows(SectionPeak, 1),
         "supports": supports,
     }
@@ -86,7 +86,7 @@ def test_section(joint):
         assert computed == pytest.approx(expected, abs=6e-3)
     section = system.sections.sections[0]
     assert (section.shortening, section.roll) == pytest.approx(MOTION[joint], rel=2e-6)
-    assert system.sections.books[0].iterations <= 3 + 2 * (joint != "linear") + 2
+    assert system.sections.energies[0].iterations <= 3 + 2 * (joint != "linear") + 2
 
 
 def test_a_specimen_at_a_scale_has_the_law_of_the_bearing():
@@ -203,8 +203,8 @@ CASES = {
 def test_line(name):
     options, peaks, largest, least = CASES[name]
     history = _run(**options)
-    books = history.bearing()
-    computed = np.abs(books["displacement"]).max(), 4.0 * np.abs(books["force"]).max()
+    response = history.bearing()
+    computed = np.abs(response["displacement"]).max(), 4.0 * np.abs(response["force"]).max()
     assert computed == pytest.approx(peaks, rel=1e-4)
     assert history.axial.supports["largest"] == pytest.approx(largest, abs=0.1)
     assert history.axial.supports["least"] == pytest.approx(least, abs=0.1)
@@ -222,16 +222,16 @@ def test_a_heavy_line_is_unstable():
 def test_energy_balance(options):
     """Horizontal and vertical; the vertical one is that of the section and its bearings."""
     history = _run("vertical", duration=3.0, **options)
-    books = history.rows.books
-    stored = books["kinetic"] + books["damping"] + books["springs"] + books["bearings"]
-    assert np.abs(books["input"] - stored).max() < 1e-10 * np.abs(books["input"]).max()
-    own = history.axial.books[0]
+    energies = history.rows.energies
+    stored = energies["kinetic"] + energies["damping"] + energies["springs"] + energies["bearings"]
+    assert np.abs(energies["input"] - stored).max() < 1e-10 * np.abs(energies["input"]).max()
+    own = history.axial.energies[0]
     given = own.weight + own.overturning + own.vertical_input
     taken = own.axial_work + own.vertical_damping + own.vertical_kinetic
     assert given - taken == pytest.approx(0.0, abs=1e-10 * own.vertical_input)
     # The structure feels less work than the bearings take up: the axial forces lend the rest.
     bearing = 4.0 * history.bearing()["work_in"][-1]
-    assert bearing - books["bearings"][-1] == pytest.approx(own.lent, rel=1e-9)
+    assert bearing - energies["bearings"][-1] == pytest.approx(own.lent, rel=1e-9)
 
 
 def test_negligible_axial_forces_change_nothing():
@@ -424,7 +424,9 @@ def test_one_line_of_a_structure_in_plan():
 
 def test_peaks_and_works_are_those_of_their_lines():
     """Of two lines whose axial forces act, numbers 2 and 0, and a run without any."""
-    pressed = SimpleNamespace(lines=[2, 0], peaks=["peak 2", "peak 0"], books=["work 2", "work 0"])
+    pressed = SimpleNamespace(
+        lines=[2, 0], peaks=["peak 2", "peak 0"], energies=["work 2", "work 0"]
+    )
     histories = [SimpleNamespace(axial=None), SimpleNamespace(axial=pressed)]
     lines = list(_pressed_lines(["first", "second"], histories))
     assert lines == [("second", 2, "peak 2", "work 2"), ("second", 0, "peak 0", "work 0")]

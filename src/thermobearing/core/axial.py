@@ -20,7 +20,7 @@ from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes.choose import all_lanes, select
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.step import stiffness_at
-from thermobearing.core.types import AxialBooks, Constants
+from thermobearing.core.types import AxialResponse, Constants
 
 
 class Column:
@@ -170,7 +170,7 @@ def axial_march(
     temperature: Floats,
     elastic: Floats,
     hysteretic: Floats,
-    rows: Rows[AxialBooks],
+    rows: Rows[AxialResponse],
 ) -> None:
     """Compute what prescribed axial forces do along prescribed displacements.
 

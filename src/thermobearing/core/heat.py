@@ -70,7 +70,7 @@ def substitute(
     cells: CellWork,
     after: Floats,
 ) -> tuple[float, float, float]:
-    """The way up the matrix: `change` [K], temperatures `after` the step, and the books.
+    """The way up the matrix: `change` [K], temperatures `after` the step, and the response.
 
     Returns the heat stored, and lost through end faces and sides, over the step [kN mm], complete
     bearing.

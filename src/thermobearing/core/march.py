@@ -7,7 +7,7 @@ from thermobearing.core.step import has_failed, layer_temperature, step
 from thermobearing.core.types import (
     COMPLETED,
     SOFTENED,
-    Books,
+    BearingResponse,
     Constants,
     Kept,
     Path,
@@ -31,7 +31,7 @@ def copy_state(source: State, target: State) -> None:
     target.branches[0] = source.branches[0]
     for i in range(len(source.ends)):
         target.ends[i] = source.ends[i]
-    target.books[0] = source.books[0]
+    target.response[0] = source.response[0]
 
 
 @compiled
@@ -46,7 +46,7 @@ def _farthest_from(temperature: Floats, ambient: float) -> float:
 @compiled
 def keep_row(constants: Constants, state: State, kept: Kept, row: int) -> None:
     """Write the kept quantities of a state into one row."""
-    kept.books[row] = state.books[0]
+    kept.response[row] = state.response[0]
     for j in range(kept.rubber.shape[1]):
         kept.rubber[row, j] = layer_temperature(constants.layer_cells, state.temperature, j)
     for j in range(kept.layer_displacement.shape[1]):
@@ -95,7 +95,7 @@ def march(
         start, spare = spare, start
         steps += 1
         softened += select(outcome == SOFTENED, 1, 0)
-        mismatch = max(mismatch, start.books[0].layer_force_mismatch)
+        mismatch = max(mismatch, start.response[0].layer_force_mismatch)
         settle = all_lanes(path.settled > 0.0) and all_lanes(
             _farthest_from(start.temperature, ambient) <= path.settled
         )
@@ -113,7 +113,7 @@ def march(
 @compiled
 def is_possible(
     temperature: Floats,
-    books: Rows[Books],
+    response: Rows[BearingResponse],
     recoverable_before: float,
     coldest: float,
     hottest: float,
@@ -130,7 +130,7 @@ def is_possible(
             return False
     if not balanced:
         return True
-    last = books[0]
+    last = response[0]
     work, released = last.work_in, last.heat_released
     recoverable = last.recoverable - recoverable_before
     heat_lost = last.heat_lost_ends + last.heat_lost_sides

@@ -54,7 +54,7 @@ def march_plane(
 
 def count_components(state: State) -> int:
     """Return 1 for the state of a bearing on a line, 2 in a plane."""
-    return int(state.books["displacement"].ndim)
+    return int(state.response["displacement"].ndim)
 
 
 def plain(kernel: F, state: State) -> F:

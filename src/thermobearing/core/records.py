@@ -2,8 +2,8 @@
 
 A class with nothing but annotations says what a row holds: names, kinds, and for numbers that
 are shown to people the unit and the meaning. It is the only list of them; array types,
-labels and columns follow from it. The class itself is never made: `rows(Books, 3)` is a numpy
-array of three such rows, `array[0].force` one number, `array["force"]` all three.
+labels and columns follow from it. The class itself is never made: `rows(BearingResponse, 3)` is a
+numpy array of three such rows, `array[0].force` one number, `array["force"]` all three.
 """
 
 from collections.abc import Sequence

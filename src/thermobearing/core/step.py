@@ -215,7 +215,7 @@ def _beside_rubber(
     """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
     lead, viscous = constants.lead, constants.viscous
     old, after = state.branches[0], new.branches[0]
-    dx = minus(x, state.books[0].displacement)
+    dx = minus(x, state.response[0].displacement)
     lead_force = zero(dx)
     tangent = no_slope(dx)
     stored = 0.0
@@ -267,7 +267,7 @@ def heat_step(
     new: State,
 ) -> None:
     """Heat of the step into rubber and lead, conduction, and the heat balance."""
-    cells, old, books = constants.cells, state.books[0], new.books[0]
+    cells, old, response = constants.cells, state.response[0], new.response[0]
     dx = minus(x, old.displacement)
     # The matrices depend on dt only.
     if any_lane(work.factored_dt[0] != dt):
@@ -281,10 +281,10 @@ def heat_step(
         work,
         state.layers,
         new.layers,
-        scaled(plus(old.rubber_force, books.rubber_force), 0.5),
+        scaled(plus(old.rubber_force, response.rubber_force), 0.5),
         _viscous_layer_heat(constants, state, new, dx),
         over(x, constants.rubber.layer_count),
-        books.sharing_weight,
+        response.sharing_weight,
     )
     # Lead before conduction: what the cores pass to the plates is a source of the cells.
     lead_stored = 0.0
@@ -296,13 +296,13 @@ def heat_step(
     stored, ends, sides = substitute(
         cells, constants.side_implicit, state.temperature, dt, ambient, work.cells, new.temperature
     )
-    books.heat_released = old.heat_released + released
+    response.heat_released = old.heat_released + released
     # `move` has written the share of lead and dashpot.
-    books.recoverable += recoverable
-    books.heat_lost_ends = old.heat_lost_ends + ends
-    books.heat_lost_sides = old.heat_lost_sides + sides
-    books.heat_stored = old.heat_stored + stored + lead_stored
-    books.lead_temperature = new.branches[0].lead_temperature
+    response.recoverable += recoverable
+    response.heat_lost_ends = old.heat_lost_ends + ends
+    response.heat_lost_sides = old.heat_lost_sides + sides
+    response.heat_stored = old.heat_stored + stored + lead_stored
+    response.lead_temperature = new.branches[0].lead_temperature
 
 
 @compiled_shared
@@ -329,7 +329,7 @@ def move(
     May be repeated with another x. Returns force, tangent and outcome as `step` does.
     """
     rubber = constants.rubber
-    old, books = state.books[0], new.books[0]
+    old, response = state.response[0], new.response[0]
     rubber_force, tangent, mismatch, w, outcome = share(
         rubber, constants.multiplicity, state, work.layers, old.displacement, x, new.layers
     )
@@ -341,14 +341,14 @@ def move(
     outcome = select(no(failed | math.isfinite(total(force))), NOT_FINITE, outcome)
     if all_lanes(has_failed(outcome)):
         return force, plus(tangent, slope), outcome
-    books.displacement = x
-    books.force = force
-    books.rubber_force = rubber_force
-    books.lead_force = lead_force
-    books.viscous_force = viscous_force
-    books.recoverable = stored
-    books.layer_force_mismatch = mismatch
-    books.sharing_weight = w
+    response.displacement = x
+    response.force = force
+    response.rubber_force = rubber_force
+    response.lead_force = lead_force
+    response.viscous_force = viscous_force
+    response.recoverable = stored
+    response.layer_force_mismatch = mismatch
+    response.sharing_weight = w
     return force, plus(tangent, slope), outcome
 
 
@@ -360,21 +360,21 @@ def settle(
 
     Returns COMPLETED, NOT_FINITE, TEMPERATURE_RUNAWAY or LEAD_MELTED.
     """
-    old, books = state.books[0], new.books[0]
+    old, response = state.response[0], new.response[0]
     if constants.rubber.virgin:
         wear(constants.rubber, state.layers, new.layers)
     if constants.rubber.closed_loops:
         for j in range(len(new.layers)):
             moved = minus(new.layers[j].d, state.layers[j].d)
             remember(constants.rubber, state, new, j, moved)
-    x, force = books.displacement, books.force
-    books.clock = old.clock + dt
+    x, force = response.displacement, response.force
+    response.clock = old.clock + dt
     # Trapezoidal, as the heat of the layers: all carry one force, so that sum F dd_j = F dx and the
     # balance closes to rounding.
     mean_force, dx = scaled(plus(old.force, force), 0.5), minus(x, old.displacement)
-    books.work_in = old.work_in + dot(mean_force, dx)
+    response.work_in = old.work_in + dot(mean_force, dx)
     heat_step(constants, work, state, x, dt, ambient, new)
-    not_finite = no(math.isfinite(books.heat_lost_sides + books.heat_released))
+    not_finite = no(math.isfinite(response.heat_lost_sides + response.heat_released))
     outside = runs_away(constants, new)
     melts = new.branches[0].lead_temperature > constants.limits.lead
     ended = select(outside, TEMPERATURE_RUNAWAY, select(melts, LEAD_MELTED, COMPLETED))

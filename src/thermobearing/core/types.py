@@ -139,7 +139,7 @@ class Branches:
     idle: float  # time since it stopped [s]
 
 
-class RubberBooks:
+class RubberResponse:
     """The results of every bearing: energies since the start; `recoverable` is the present one."""
 
     clock: Annotated[float, "s", "time since the start"]
@@ -157,7 +157,7 @@ class RubberBooks:
     sharing_weight: Annotated[float, "1", "weight of the mean strain in the hardening factor"]
 
 
-class Books(RubberBooks):
+class BearingResponse(RubberResponse):
     """Further results of a bearing with lead or rate dependence."""
 
     rubber_force: Annotated[Vector, "kN", "share of the rubber layers in the force"]
@@ -166,7 +166,7 @@ class Books(RubberBooks):
     lead_temperature: Annotated[float, "degC", "temperature of the lead cores"]
 
 
-class AxialBooks:
+class AxialResponse:
     """What an axial force does to a bearing; energies since the start."""
 
     axial_force: Annotated[float, "kN", "axial force, positive in compression"]
@@ -317,7 +317,7 @@ class State(NamedTuple):
     temperature: Floats  # [n] cell temperatures [degC]
     branches: Rows[Branches]  # [1]
     ends: Floats  # [K] the terms y of Constants.lead_modes [K]
-    books: Rows[Books]  # [1]
+    response: Rows[BearingResponse]  # [1]
 
 
 class Workspace(NamedTuple):
@@ -343,7 +343,7 @@ class Path(NamedTuple):
 class Kept(NamedTuple):
     """Room for the steps that are kept; arrays of layers and cells may have no columns."""
 
-    books: Rows[Books]  # [rows]
+    response: Rows[BearingResponse]  # [rows]
     rubber: Floats  # [rows, L] temperatures at mid-thickness [degC]
     layer_displacement: Vectors  # [rows, L] d_j [mm]
     hysteretic: Vectors  # [rows, L] Z_j [mm]
@@ -353,7 +353,7 @@ class Kept(NamedTuple):
         """The same rows from `first` to before `end`, not a copy."""
         selection = slice(first, end)
         return Kept(
-            self.books[selection],
+            self.response[selection],
             self.rubber[selection],
             self.layer_displacement[selection],
             self.hysteretic[selection],
@@ -379,7 +379,7 @@ def new_state(
         temperature=np.array(temperature, dtype=np.float64),
         branches=rows(Branches, 1, components=components),
         ends=np.zeros(len(constants.lead_modes)),
-        books=rows(Books, 1, components=components),
+        response=rows(BearingResponse, 1, components=components),
     )
     state.layers["virgin"] = 1.0
     state.branches["idle"] = NEVER_MOVED
@@ -388,7 +388,7 @@ def new_state(
         height = constants.cells.beside_lead
         mean = float(height @ temperature / height.sum())
         lead = mean if lead_temperature is None else lead_temperature
-        state.branches["lead_temperature"] = state.books["lead_temperature"] = lead
+        state.branches["lead_temperature"] = state.response["lead_temperature"] = lead
     return state
 
 

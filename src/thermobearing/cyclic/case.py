@@ -26,7 +26,7 @@ from thermobearing.border.title import case_table
 from thermobearing.border.toml import split_sources, to_table, to_toml
 from thermobearing.climate.readers import read_air
 from thermobearing.core.records import Floats, labels
-from thermobearing.core.types import Books
+from thermobearing.core.types import BearingResponse
 from thermobearing.cyclic.conditioning import conditioning_faults, filled, soaked_start
 from thermobearing.cyclic.protocol import CyclicTest, cyclic_test, survey
 from thermobearing.model.axial import AxialFactor
@@ -192,7 +192,7 @@ def end_state(
     >>> result = tb.run("shen-hdr-specimen", test, ambient=-20)
     >>> left = end_state(result, "shen-hdr-specimen")
     >>> element = tb.element("shen-hdr-specimen", ambient=-20, initial=left)
-    >>> bool(element.state.books["force"][0] == result["force"].values[0, -1])
+    >>> bool(element.state.response["force"][0] == result["force"].values[0, -1])
     True
     """
     faults, data = settle_start({"initial_result": result}, ("initial_result",))
@@ -494,7 +494,7 @@ class Case(Conditioning):
                 messages += line_only_faults(self.bearing, constants)
         if not messages:  # of a test that cannot be done the steps say nothing
             steps *= len(self.ambient)
-            row = len(labels(Books)) + cells * len(self.analysis.keep)
+            row = len(labels(BearingResponse)) + cells * len(self.analysis.keep)
             messages += too_much(steps, cells, steps / self.analysis.keep_every * row)
         return messages
 

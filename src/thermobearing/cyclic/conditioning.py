@@ -218,7 +218,7 @@ def _cells_of_test(
 def _reading(model: BearingModel, history: History, place: str | None) -> Floats:
     """Return the temperature at the place of a thermocouple, at each step [degC]."""
     if place == "lead":
-        return np.asarray(history.rows.books["lead_temperature"])
+        return np.asarray(history.rows.response["lead_temperature"])
     layers = history.rows.rubber
     if place is None:
         # The last layer of a half stack is next to the middle of the bearing.
@@ -257,7 +257,7 @@ def _time_when(model: BearingModel, part: float, followed: Callable[[History], F
         if values[-1] <= part or 2.0 * hours > LONGEST:
             break
         hours *= 2.0
-    times = np.asarray(history.rows.books["clock"]) / HOUR
+    times = np.asarray(history.rows.response["clock"]) / HOUR
     # Rounding near zero may raise a temperature; the interpolation needs one that falls.
     falling = np.minimum.accumulate(np.maximum(values, TINY))
     return float(np.interp(-np.log(part), -np.log(falling), times))

@@ -26,7 +26,7 @@ from thermobearing.bearing.plausible import doubled_law
 from thermobearing.bearing.state import describe_states, state_attribute, states_table
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats, Ints, labels
-from thermobearing.core.types import AxialBooks, Books, RubberBooks
+from thermobearing.core.types import AxialResponse, BearingResponse, RubberResponse
 from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
@@ -65,7 +65,7 @@ GROUPS = {
     "hysteretic": ("hysteretic_variable", "layer"),
     "cells": ("temperature", "cell"),
 }
-AXIAL_COLUMNS = 10  # of `AxialBooks` that results have
+AXIAL_COLUMNS = 10  # of `AxialResponse` that results have
 PADDING = {"segment": -1, "cycle": 0}  # after the end of a shorter run; else NaN
 
 
@@ -76,7 +76,7 @@ class StackLabels(NamedTuple):
     thickness: Floats  # of the cells [mm]
     part: tuple[str, ...]
     layers: int
-    books: Sequence[tuple[str, str, str]]  # name, unit and meaning of the numbers of each step
+    response: Sequence[tuple[str, str, str]]  # name, unit and meaning of the numbers of each step
 
 
 def stack_labels(model: BearingModel) -> StackLabels:
@@ -84,11 +84,11 @@ def stack_labels(model: BearingModel) -> StackLabels:
     stack, constants = model.stack, model.constants
     layers = len(constants.multiplicity)
     branches = constants.lead.cores > 0.0 or constants.viscous.stiffness > 0.0
-    books = labels(Books if branches else RubberBooks)
+    response = labels(BearingResponse if branches else RubberResponse)
     if len(constants.cells.capacity) == len(stack.part):
-        return StackLabels(stack.depth, stack.thickness, stack.part, layers, books)
+        return StackLabels(stack.depth, stack.thickness, stack.part, layers, response)
     height = np.array([stack.thickness.sum()])
-    return StackLabels(0.5 * height, height, ("whole bearing",), layers, books)
+    return StackLabels(0.5 * height, height, ("whole bearing",), layers, response)
 
 
 def depth_attributes(half: bool) -> dict[str, str]:
@@ -155,13 +155,13 @@ def _build_dataset(
     attributes: dict[str, Any],
 ) -> "xr.Dataset":
     bearing, per_run, steps = case.bearing, ("ambient",), ("ambient", "time")
-    clock = stacked([run.rows.books["clock"] for run in runs])
+    clock = stacked([run.rows.response["clock"] for run in runs])
     one_clock = all(np.array_equal(clock[0], run_clock) for run_clock in clock)
     data: dict[str, Any] = {}
-    meanings = {name: {"units": unit, "long_name": text} for name, unit, text in stack.books}
+    meanings = {name: {"units": unit, "long_name": text} for name, unit, text in stack.response}
     for name in meanings:
         if name != "clock" or not one_clock:
-            values = stacked([run.rows.books[name] for run in runs])
+            values = stacked([run.rows.response[name] for run in runs])
             data[name] = (_dimensions(values, steps), values, meanings[name])
     (dims, displacement, _), (_, force, _) = data["displacement"], data["force"]
     data["strain"] = (dims, displacement / bearing.total_rubber_thickness)
@@ -173,7 +173,7 @@ def _build_dataset(
     data |= _axial_variables(runs, steps)
     for name in ("segment", "cycle"):
         data[name] = (steps, stacked([getattr(run, name) for run in runs], PADDING[name]))
-    lead = [run.state.books[0].lead_temperature if bearing.lead else np.nan for run in runs]
+    lead = [run.state.response[0].lead_temperature if bearing.lead else np.nan for run in runs]
     data |= {
         "initial_temperature": (("ambient", "cell"), np.array([run.initial for run in runs])),
         "final_temperature": (("ambient", "cell"), np.array([r.state.temperature for r in runs])),
@@ -212,7 +212,7 @@ def _build_dataset(
 def _axial_variables(runs: list[History], steps: tuple[str, ...]) -> dict[str, Any]:
     """Return what the axial force did to the bearing, where it acted on the shear force."""
     variables = {}
-    for name, unit, text in labels(AxialBooks)[:AXIAL_COLUMNS]:
+    for name, unit, text in labels(AxialResponse)[:AXIAL_COLUMNS]:
         columns = [run.axial[name] for run in runs if run.axial is not None]
         if columns:
             variables[name] = (steps, stacked(columns), {"units": unit, "long_name": text})
@@ -282,7 +282,7 @@ def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) 
     runs = [
         (
             run_name(climate.at(0.0)),
-            history.rows.books["clock"],
+            history.rows.response["clock"],
             np.asarray(history.rows.rubber),
         )
         for climate, history in zip(climates, histories, strict=False)
@@ -301,7 +301,7 @@ def _unstable_runs(climates: list[Ambient], histories: list[History]) -> list[st
     for climate, history in zip(climates, histories, strict=False):
         if history.axial is None or history.outcome != UNSTABLE:
             continue
-        peak = axial_peaks(history.rows.books["clock"], history.axial)["analysis"]
+        peak = axial_peaks(history.rows.response["clock"], history.axial)["analysis"]
         sentences.append(
             f"{run_name(climate.at(0.0))} is unstable: the axial force exceeds the critical load "
             f"for {peak.duration:.3g} s, first at {peak.first:.4g} s, most at {peak.time:.4g} s "
@@ -325,7 +325,7 @@ def _compared_rows(
     rows: dict[str, list[Row]] = {"rig": [], "tested_range": [], "bearing_checks": []}
     # An interrupted analysis has fewer histories than climates.
     for climate, history in zip(climates, histories, strict=False):
-        quantities, name = history.rows.books, run_name(climate.at(0.0))
+        quantities, name = history.rows.response, run_name(climate.at(0.0))
         peaks = [float(lengths(quantities[key]).max()) for key in ("force", "displacement")]
         displacement = quantities["displacement"]
         if displacement.ndim > 1:  # strain of the resultant, cycles along x
@@ -435,7 +435,7 @@ def expected_size(case: Case) -> float:
     keep, stack = case.analysis.keep, case.analysis.build_stack(case.bearing)
     layers = max(stack.part.count("rubber") // max(case.bearing.cells.rubber, 1), 1)
     layer_columns = sum(layers for name in keep if name != "cells")
-    row = DOUBLE * (len(labels(Books)) + 2 + layer_columns) + COUNTERS
+    row = DOUBLE * (len(labels(BearingResponse)) + 2 + layer_columns) + COUNTERS
     row += (DOUBLE + TEXT) * 6 if case.test.in_plane else 0  # second components
     row += SINGLE * len(stack.part) if "cells" in keep else 0
     row += TEXT * (CSV_COLUMNS + (layers if "rubber" in keep else 0))

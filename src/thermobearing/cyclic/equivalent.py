@@ -93,7 +93,7 @@ def isothermal_cycle(
     )
     rows = np.flatnonzero(history.cycle == cycle)
     # From the row that closes the cycle before.
-    quantities = history.rows.books[slice(max(rows[0] - 1, 0), rows[-1] + 1)]
+    quantities = history.rows.response[slice(max(rows[0] - 1, 0), rows[-1] + 1)]
     x, force = quantities["displacement"], quantities["force"]
     return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
 

@@ -16,8 +16,8 @@ from thermobearing.core.records import Floats, Rows, unset
 from thermobearing.core.types import (
     COMPLETED,
     SOFTENED,
-    AxialBooks,
-    Books,
+    AxialResponse,
+    BearingResponse,
     Constants,
     Kept,
     Path,
@@ -241,7 +241,7 @@ class History:
     mismatch: float = 0.0  # largest of the run [kN]
     steps: int = 0
     kept: int = 0
-    axial: Rows[AxialBooks] | None = None  # what an axial force does; a row for each kept one
+    axial: Rows[AxialResponse] | None = None  # what an axial force does; a row for each kept one
 
 
 def room_for(
@@ -252,7 +252,7 @@ def room_for(
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     widths = {name: layers if name in groups else 0 for name in Kept._fields}
     return Kept(
-        books=unset(Books, count, components=components),
+        response=unset(BearingResponse, count, components=components),
         rubber=np.empty((count, widths["rubber"])),
         layer_displacement=np.empty((count, widths["layer_displacement"], *vector)),
         hysteretic=np.empty((count, widths["hysteretic"], *vector)),
@@ -330,7 +330,7 @@ def run_segments(
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
     last = run.kept - 1
-    if run.rows.books[last].clock != run.state.books[0].clock:
+    if run.rows.response[last].clock != run.state.response[0].clock:
         # The run was cut off: its last row is kept too, so that energies and profiles agree.
         keep(constants, run.state, run.rows, run.kept)
         run.segment[run.kept], run.cycle[run.kept] = run.segment[last], run.cycle[last]
@@ -370,11 +370,11 @@ def _run_segment(
     spare = new_state(constants, run.initial, components=components)
     run_path = march if components == 1 else march_plane
     keep = _kept_steps(segment, keep_every)
-    segment, keep, ends = cut_rests(constants, segment, keep, run.state.books["displacement"][0])
+    segment, keep, ends = cut_rests(constants, segment, keep, run.state.response["displacement"][0])
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
         dt = np.ascontiguousarray(segment.dt[part])
-        means = ambient.means(run.state.books[0].clock, dt)
+        means = ambient.means(run.state.response[0].clock, dt)
         path = Path(np.ascontiguousarray(segment.x[part]), dt, means, keep[part], segment.within)
         free_rows = run.rows.part(run.kept, len(run.segment))
         steps_done, rows_kept, outcome, softened, mismatch = run_path(
@@ -394,7 +394,7 @@ def _run_segment(
         if outcome not in (COMPLETED, SOFTENED):
             run.outcome = NAMES[outcome]
             return False
-        if not is_physical(constants, run.state, run.rows.books["recoverable"][0]):
+        if not is_physical(constants, run.state, run.rows.response["recoverable"][0]):
             run.outcome = NOT_PHYSICAL
             return False
         if steps_done < len(dt):  # the rest settled

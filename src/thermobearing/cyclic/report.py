@@ -77,7 +77,7 @@ def build_pieces(result: Result) -> Pieces:
         checks=result_checks(result, case, TESTS, f"{TESTED_RANGE} of {data.attrs['bearing']}"),
         lead_rise=float(np.nanmax(lead - lead[:, :1])),
         residuals=residual_rows(result.energy, case["analysis"]),
-        books=energy_table(result.energy),
+        energy=energy_table(result.energy),
         assumptions=[
             *_start(case),
             *model_assumptions(case["analysis"], [case["bearing"]], plane=result.in_plane),

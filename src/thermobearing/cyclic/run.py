@@ -223,7 +223,7 @@ def run_case(
         )
         if case.analysis.has_axial:
             _press(case, model.constants, history)
-        history.rows.books["displacement"][:] -= offset
+        history.rows.response["displacement"][:] -= offset
         histories.append(history)
         if history.outcome == INTERRUPTED:
             break
@@ -232,14 +232,14 @@ def run_case(
 
 def _press(case: Case, constants: Constants, history: Recorded) -> None:
     """Take from the shear force what the axial force takes, and note it in a history."""
-    books = history.rows.books
+    response = history.rows.response
     column = column_of(case.bearing, case.analysis.axial_factor or "overlap")
-    displacement, force = books["displacement"], case.axial_forces(books["clock"])
+    displacement, force = response["displacement"], case.axial_forces(response["clock"])
     axial = axial_rows(column, constants, displacement, force, history.rows.rubber)
     reduction = axial["stiffness_reduction"]
     if displacement.ndim > 1:
         reduction = np.stack([reduction, axial["stiffness_reduction_y"]], axis=-1)
-    books["force"] -= reduction * displacement
+    response["force"] -= reduction * displacement
     history.axial = axial
     if history.outcome != "completed":
         return

@@ -19,7 +19,7 @@ from thermobearing.results.writing import as_attribute
 from thermobearing.structure.model import BearingLine, default_deck_height
 from thermobearing.structure.result import GRAVITY
 from thermobearing.structure.run import AxialHistory, PressedLine, StructureHistory
-from thermobearing.structure.types import SectionBooks, SectionPeak
+from thermobearing.structure.types import SectionEnergies, SectionPeak
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -76,12 +76,12 @@ def with_axial_outcome(outcome: str, axial: AxialHistory | None) -> str:
 
 def _pressed_lines(
     tasks: Sequence["Task"], histories: Sequence[StructureHistory]
-) -> Iterator[tuple["Task", int, SectionPeak, SectionBooks]]:
+) -> Iterator[tuple["Task", int, SectionPeak, SectionEnergies]]:
     """Yield run, line, peaks and works of all lines whose axial forces acted, run by run."""
     for task, history in zip(tasks, histories, strict=True):
         if history.axial is not None:
             for a, number in enumerate(history.axial.lines):
-                yield task, number, history.axial.peaks[a], history.axial.books[a]
+                yield task, number, history.axial.peaks[a], history.axial.energies[a]
 
 
 def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:

@@ -83,7 +83,7 @@ def end_state_at(task: "Task", history: StructureHistory) -> handover.SpecimenSt
 
 def _last_lead(task: "Task", end: Any) -> float:
     has_lead = task.device.constants.lead.cores > 0.0
-    return float(end.books[0].lead_temperature) if has_lead else np.nan
+    return float(end.response[0].lead_temperature) if has_lead else np.nan
 
 
 def _labelled_ends(

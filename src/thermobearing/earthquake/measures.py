@@ -12,7 +12,7 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Rows
-from thermobearing.core.types import Books
+from thermobearing.core.types import BearingResponse
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
@@ -302,7 +302,7 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
     if device.stack is not None:
         layers, cells = history.layers(task.reported_line), history.cells(task.reported_line)
     return structure_traces(task, history) | {
-        "time": history.rows.books["clock"],
+        "time": history.rows.energies["clock"],
         "bearing_displacement": displacement,
         "bearing_strain": displacement / device.bearing.total_rubber_thickness,
         "bearing_force": with_resultant(bearing["force"]),
@@ -316,7 +316,7 @@ def history_traces(task: "Task", history: StructureHistory) -> dict[str, Floats]
     }
 
 
-def loading_speed(bearing: Rows[Books]) -> Floats:
+def loading_speed(bearing: Rows[BearingResponse]) -> Floats:
     """Return the loading speed at the end of each step, on the clock of the bearing [mm/s]."""
     steps = np.maximum(np.diff(bearing["clock"]), np.finfo(float).tiny)
     displacement = bearing["displacement"]
@@ -432,7 +432,7 @@ def compute_measures(
 
     Heat and the mismatch of layers are those of the line whose histories are kept.
     """
-    bearing, balance = history.bearing(task.reported_line), history.rows.books
+    bearing, balance = history.bearing(task.reported_line), history.rows.energies
     numbers: dict[str, Any] = {
         f"{name}_max": largest(trace[name]) for name in ("deck_displacement", "deck_acceleration")
     }
@@ -455,7 +455,7 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
     """
     # The energy balance has the work on the bearings at their own, delayed displacements. It is
     # taken from the work at the displacements of the structure; the difference is the actuator's.
-    work = -float(history.rows.books["bearings"][-1])
+    work = -float(history.rows.energies["bearings"][-1])
     lines = zip(task.case.structure.bearings, task.prepared.matrices.line_rows, strict=True)
     for b, (line, row) in enumerate(lines):
         force = history.bearing(b)["force"]

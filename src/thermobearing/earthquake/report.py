@@ -294,7 +294,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
             if energy is None
             else reported.residual_rows(energy, case["analysis"], measured=outside)
         ),
-        books=structure_balance(result) if result.runs else None,
+        energy=structure_balance(result) if result.runs else None,
         assumptions=_assumptions(result, case),
         **content.result_parts(result, str(attrs["case"]), command, range_given=states_range),
     )

@@ -521,7 +521,7 @@ def _after_an_hour(constants: Constants, before: Floats, ambient: Ambient) -> Fl
     state = new_state(constants, before[:cells])
     scratch = new_state(constants, before[:cells])
     if _has_lead(constants):
-        state.branches["lead_temperature"] = state.books["lead_temperature"] = before[cells]
+        state.branches["lead_temperature"] = state.response["lead_temperature"] = before[cells]
         state.branches["clock"] = AT_REST
         state.ends[:] = before[cells + 1 :]
     rest_step: Any = {"step": "rest", "duration": HOUR}

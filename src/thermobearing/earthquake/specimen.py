@@ -211,7 +211,7 @@ def _reference_force(bearing: Bearing | BilinearBearing, ambient: float) -> floa
         return bearing.strength + bearing.post_yield_stiffness * height
     element = BearingElement(bearing, ambient)
     secant_stiffness(element, height)  # moves it to this strain
-    return abs(float(element.state.books["force"][0]))
+    return abs(float(element.state.response["force"][0]))
 
 
 class TcpSpecimen:

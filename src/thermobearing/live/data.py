@@ -37,7 +37,7 @@ from thermobearing.core.compiled.native import DESCRIPTION, FOLDER, read_descrip
 from thermobearing.core.lead_ends import longest_rest_step
 from thermobearing.core.numbers import PARTS, LayerLaw
 from thermobearing.core.records import labels
-from thermobearing.core.types import COMPLETED, DEPTH, NEVER_MOVED, SOFTENED, Books
+from thermobearing.core.types import COMPLETED, DEPTH, NEVER_MOVED, SOFTENED, BearingResponse
 from thermobearing.cyclic.protocol import LARGEST_STRAIN, Cycles, CyclicTest, Rest, cyclic_test
 from thermobearing.model.lead_ends import lead_sizes
 from thermobearing.model.lead_impedance import MOST_TERMS, ROOM
@@ -162,7 +162,7 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
             },
         },
         "start": {"turns": DEPTH + 2, "idle": NEVER_MOVED},
-        "books": [label._asdict() for label in labels(Books)],
+        "response": [label._asdict() for label in labels(BearingResponse)],
         "parts": PARTS,
         "layer_law": LAYERS,
         "network": {"room": ROOM, "terms": MOST_TERMS},

@@ -517,7 +517,7 @@ export class Engine {
       temperature: per(floats(new Float64Array(n * cells).fill(ambient)), cells),
       branches: per(kernels.rows("Branches", { idle: this.data.start.idle, ...warm }, n), 1),
       ends: per(room(), constants.lead_modes.shape[0]),
-      books: per(kernels.rows("Books", warm, n), 1),
+      response: per(kernels.rows("BearingResponse", warm, n), 1),
     };
   }
 
@@ -546,7 +546,7 @@ export class Engine {
     const cells = constants.cells.capacity.shape[0];
     const most = segments.reduce((sum, one) => sum + one.keep.reduce((n, k) => n + k, 0) + 1, 2);
     const rows = {
-      books: room(most), rubber: room(most, layers), layer_displacement: room(most, 0),
+      response: room(most), rubber: room(most, layers), layer_displacement: room(most, 0),
       hysteretic: room(most, 0), cells: room(most, cells),
     };
     const state = this.newState(constants, ambient);
@@ -572,8 +572,8 @@ export class Engine {
       else if (!this.isPossible(constants, state, 0)) run.outcome = this.data.outcomes.not_physical;
       if (run.outcome !== "completed") break;
     }
-    const ended = kernels.column("clock", state.books, 1)[0];
-    if (kernels.column("clock", rows.books, run.kept)[run.kept - 1] !== ended) {
+    const ended = kernels.column("clock", state.response, 1)[0];
+    if (kernels.column("clock", rows.response, run.kept)[run.kept - 1] !== ended) {
       kernels.call("core.march.keep_row", constants, state, rows, run.kept);
       [segment[run.kept], cycle[run.kept]] = [segment[run.kept - 1], cycle[run.kept - 1]];
       run.kept += 1;
@@ -585,7 +585,7 @@ export class Engine {
   isPossible(constants, state, before) {
     const { coldest, hottest } = this.data.limits;
     const balanced = !constants.lead.published && constants.viscous.heats;
-    return this.kernels.call("core.march.is_possible", state.temperature, state.books, before, coldest, hottest, balanced)[0] !== 0;
+    return this.kernels.call("core.march.is_possible", state.temperature, state.response, before, coldest, hottest, balanced)[0] !== 0;
   }
 
   /** The result of a test. @param {any} bearing @param {Tree} rows @param {any} run @param {any[]} segments @param {Int32Array} segment @param {Int32Array} cycle */
@@ -593,8 +593,8 @@ export class Engine {
     const { kernels } = this;
     const { constants } = bearing;
     const count = run.kept;
-    const books = Object.fromEntries(this.data.books.map((/** @type {any} */ one) =>
-      [one.name, kernels.column(one.name, rows.books, count)]));
+    const response = Object.fromEntries(this.data.response.map((/** @type {any} */ one) =>
+      [one.name, kernels.column(one.name, rows.response, count)]));
     const wide = rows.cells.shape[1];
     const hasLead = constants.lead.cores > 0;
     const result = {
@@ -603,29 +603,29 @@ export class Engine {
       steps: run.steps,
       softened: run.softened,
       mismatch_kN: run.mismatch,
-      time: books.clock,
-      displacement: books.displacement,
-      force: books.force,
+      time: response.clock,
+      displacement: response.displacement,
+      force: response.force,
       segment,
       cycle,
       layers: { count: rows.rubber.shape[1], temperature: kernels.read(rows.rubber, count) },
       cells: { count: wide, temperature: new Float32Array(kernels.memory.buffer, rows.cells.address, wide * count).slice() },
-      lead: hasLead ? books.lead_temperature : null,
-      books,
+      lead: hasLead ? response.lead_temperature : null,
+      response,
     };
     return { ...result, cycles: this.cycles(bearing, segments, result) };
   }
 
   /** Measures of every closed cycle. @param {any} bearing @param {any[]} segments @param {any} result @returns {any[]} */
   cycles(bearing, segments, result) {
-    const { displacement: x, force, segment, cycle, layers, books } = result;
+    const { displacement: x, force, segment, cycle, layers, response } = result;
     const found = [];
     for (let b = 1, a = 1; b <= x.length; b++) {
       if (b < x.length && segment[b] === segment[a] && cycle[b] === cycle[a]) continue;
       const about = segments[segment[a]];
       const low = x.subarray(a, b).reduce((/** @type {number} */ m, /** @type {number} */ v) => Math.min(m, v), 0);
       if (about.kind === "cycles" && cycle[a] > 0 && x[b - 1] === 0 && low < 0) {
-        const work = books.work_in[b - 1] - books.work_in[a - 1];
+        const work = response.work_in[b - 1] - response.work_in[a - 1];
         const [amplitude, modulus, damping, energy, stiffness, strength, postYield, highest, lowest] =
           this.kernels.call("results.loop.measure_loop", floats(x.subarray(a - 1, b)), floats(force.subarray(a - 1, b)),
             bearing.area_mm2, bearing.rubber_thickness_mm, work, true);
@@ -671,7 +671,7 @@ export class Engine {
       })),
     };
     const rows = {
-      books: room(count), q: room(count, n), v: room(count, n), a: room(count, n),
+      energies: room(count), q: room(count, n), v: room(count, n), a: room(count, n),
       hinges: room(count, pier.system.hinges.shape[0]), bearings: room(count, lines),
       layers: [room(count, lines, layers)], cells: [room(count, lines, 0)],
     };
@@ -730,7 +730,7 @@ export class Engine {
       outcome,
       sentence: this.data.outcomes.sentences[outcome],
       steps: done,
-      time: kernels.column("clock", rows.books, kept),
+      time: kernels.column("clock", rows.energies, kept),
       ground: places.map((k) => ground[k]),
       bearing: {
         displacement_mm: displacement, strain, force_kN: column("force"),
@@ -751,7 +751,7 @@ export class Engine {
     const before = this.kernels.column("recoverable", rows.bearings, rows.bearings.shape[1]);
     for (const [b, energy] of before.entries()) {
       const of = (/** @type {Room} */ array) => ({ ...part(array, b, b + 1), shape: array.shape.slice(1) });
-      const state = { temperature: of(kind.states.temperature), books: of(kind.states.books) };
+      const state = { temperature: of(kind.states.temperature), response: of(kind.states.response) };
       if (!this.isPossible(constants, state, energy)) return impossible;
     }
     if (strain > this.data.limits.strain) return impossible;

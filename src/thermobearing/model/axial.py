@@ -18,7 +18,7 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
 from thermobearing.core.axial import Column, axial_march, buckling_load, layer_compression
 from thermobearing.core.records import Floats, Rows, filled, rows
-from thermobearing.core.types import AxialBooks, Constants
+from thermobearing.core.types import AxialResponse, Constants
 from thermobearing.quantities.governing import place_of_largest
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -216,14 +216,14 @@ def axial_rows(
     displacement: Floats,
     axial_force: Floats,
     rubber: Floats,
-) -> Rows[AxialBooks]:
+) -> Rows[AxialResponse]:
     """Return what prescribed axial forces do to a bearing along its way, a row for each step.
 
     `displacement` [mm] has a number for each row, or pairs; `axial_force` [kN] one number, and
     `rubber` [degC] the temperatures of all layers. Rows follow each other in single steps.
     """
     moved = displacement if displacement.ndim > 1 else displacement[:, np.newaxis]
-    books = rows(AxialBooks, len(moved))
+    response = rows(AxialResponse, len(moved))
     scratch = np.zeros((2, len(constants.multiplicity)))
     axial_march(
         constants,
@@ -234,9 +234,9 @@ def axial_rows(
         np.ascontiguousarray(rubber),
         scratch[0],
         scratch[1],
-        books,
+        response,
     )
-    return books
+    return response
 
 
 @dataclass(frozen=True)
@@ -261,7 +261,7 @@ def axial_peak(clock: Floats, force: Floats, limit: Floats) -> AxialPeak:
     return AxialPeak(float(share[place]), *at_peak, first, duration)
 
 
-def axial_peaks(clock: Floats, axial: Rows[AxialBooks]) -> dict[str, AxialPeak]:
+def axial_peaks(clock: Floats, axial: Rows[AxialResponse]) -> dict[str, AxialPeak]:
     """Return the peaks of a history of axial forces, as `axial_checks` takes them."""
     peaks = {"analysis": axial_peak(clock, axial["axial_force"], axial["critical_load"])}
     if axial["axial_force"].min() < 0.0:

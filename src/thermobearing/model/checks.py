@@ -211,11 +211,11 @@ def secant_stiffness(element: BearingElement, height: float) -> float:
 
     `height` is the total rubber thickness [mm] of the bearing, which starts where it is.
     """
-    begin = float(element.state.books["displacement"][0])
+    begin = float(element.state.response["displacement"][0])
     for x in np.linspace(begin, begin + height, STEPS + 1)[1:]:
         element.set_trial(float(x), dt=STEP)
         element.commit()
-    return float(element.state.books["rubber_force"][0]) / height
+    return float(element.state.response["rubber_force"][0]) / height
 
 
 def secant_modulus(bearing: Bearing, temperature: float) -> float:

@@ -218,7 +218,7 @@ class BearingElement:
 
         `temperature` [degC] of each cell from the upper face, of a half stack to its middle;
         `layers` with displacement `d` and `z` [mm] of each modelled layer, the outermost first;
-        `branches["lead_temperature"]` [degC]; `books` of one row with `clock` [s],
+        `branches["lead_temperature"]` [degC]; `response` of one row with `clock` [s],
         `displacement`, `force` and its shares, and energies since the start [kN mm]: `work_in`,
         `heat_released`, `heat_stored`, `heat_lost_ends`, `heat_lost_sides`, `recoverable`.
         """
@@ -240,14 +240,15 @@ class BearingElement:
         return count_components(self._committed)
 
     def __repr__(self) -> str:
-        books = self._committed.books
+        response = self._committed.response
         at, force = (
-            ", ".join(f"{component:g}" for component in np.atleast_1d(books[name][0]))
+            ", ".join(f"{component:g}" for component in np.atleast_1d(response[name][0]))
             for name in ("displacement", "force")
         )
+        warmest = self._committed.temperature.max()
         return (
             f"<BearingElement at {at} mm, {force} kN, "
-            f"{books['clock'][0]:g} s; warmest cell {self._committed.temperature.max():.1f} degC>"
+            f"{response['clock'][0]:g} s; warmest cell {warmest:.1f} degC>"
         )
 
     @overload

@@ -46,12 +46,12 @@ BRANCHES = {
     "moving_for": "clock",
     "resting_for": "idle",
 }
-BOOKS = ("displacement", "force", "rubber_force", "lead_force", "viscous_force", "recoverable")
+RESPONSE = ("displacement", "force", "rubber_force", "lead_force", "viscous_force", "recoverable")
 # Turning points of each layer, the newest first, filled up with zeros; where small loops close.
 TURNS = {"turn_displacement": "d", "turn_hysteretic": "z"}
 COUNT = "layer_turns"
 ENDS = "lead_terms"
-MEMORY = (*LAYERS, *BRANCHES, *BOOKS, ENDS)
+MEMORY = (*LAYERS, *BRANCHES, *RESPONSE, ENDS)
 OF_LOOPS = (COUNT, *TURNS)
 # Dataset dimension of each history variable that is no scalar.
 DIMENSIONS = {**dict.fromkeys([*LAYERS, COUNT], "layer"), **dict.fromkeys(TURNS, "turn")}
@@ -171,7 +171,7 @@ def state_memory(state: State) -> dict[str, Any]:
     """
     memory: dict[str, Any] = {key: state.layers[name].copy() for key, name in LAYERS.items()}
     memory |= {key: state.branches[name][0].copy() for key, name in BRANCHES.items()}
-    memory |= {name: state.books[name][0].copy() for name in BOOKS}
+    memory |= {name: state.response[name][0].copy() for name in RESPONSE}
     if state.turns.shape[1]:
         memory[COUNT] = state.layers["turns"].astype(int)
         # Entries beyond the count are left from earlier motions.
@@ -216,8 +216,8 @@ def begun_from(
             state.layers[name] = read(key)
         for key, name in BRANCHES.items():
             state.branches[name] = read(key)
-        for name in BOOKS:
-            state.books[name] = read(name)
+        for name in RESPONSE:
+            state.response[name] = read(name)
         state.ends[:] = specimen.lead_terms
         if components == 1:
             state.layers["heading"] = np.sign(state.layers["z"])  # as after a first loading

@@ -92,7 +92,7 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     return bool(
         plain(is_possible, state)(
             np.ascontiguousarray(state.temperature),
-            state.books,
+            state.response,
             recoverable_before,
             *possible_temperatures(),
             not lead.published and constants.viscous.heats and not noticeable,

@@ -79,10 +79,10 @@ class ServedElement:
             )
             for pair, bearing in enumerate(self._bearings, 1)
         ]
-        books = [bearing.state.books for bearing in self._bearings]
-        self._committed = [np.ravel(row["displacement"]).tolist() for row in books]
+        response = [bearing.state.response for bearing in self._bearings]
+        self._committed = [np.ravel(row["displacement"]).tolist() for row in response]
         self._origins = list(self._committed)  # where the displacement of the model is zero
-        self._forces = [np.ravel(row["force"]).tolist() for row in books]
+        self._forces = [np.ravel(row["force"]).tolist() for row in response]
         # OpenSees may ask for the tangent before the first trial.
         pairs = zip(self._bearings, self._committed, strict=True)
         self._tangents = [_trial_response(b, x, SHORTEST_STEP)[1] for b, x in pairs]
@@ -211,7 +211,7 @@ class ServedElement:
         for k, bearing in enumerate(self._bearings):
             bearing.commit()
             self._recordings[k].keep(self._trial_time, bearing)
-            self._committed[k] = np.ravel(bearing.state.books["displacement"]).tolist()
+            self._committed[k] = np.ravel(bearing.state.response["displacement"]).tolist()
         self._forces, self._tangents = list(self._trial_forces), list(self._trial_tangents)
         self._pending = False
         self._last_trial = ()  # the same trial again is a step from the new committed state

@@ -165,7 +165,7 @@ def _pack(
     pointers = len(image.pointers)
     offsets = (len(image.content), pointers, call, start, begin, begins["new"], size, *places)
     # The strain of the material is zero where the bearing is at the start.
-    zero = float(state.books["displacement"][0])
+    zero = float(state.response["displacement"][0])
     head = HEAD.pack(KIND, *offsets, *scales, zero, rate or 0.0, SHORTEST_STEP)
     return head + struct.pack(f"={pointers}q", *image.pointers) + image.content, arrays["state"]
 

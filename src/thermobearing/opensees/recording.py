@@ -30,7 +30,9 @@ class Served(NamedTuple):
     run: int  # 1, and one more for each reset or new element of the same tag
     outcome: str
     time: Floats  # of the model
-    books: dict[str, Floats]  # of core.types.Books; energies are those of both directions
+    response: dict[
+        str, Floats
+    ]  # of core.types.BearingResponse; energies are those of both directions
     rubber: Floats  # temperatures of the layers [degC]
     initial: Floats  # temperatures of the cells [degC]
     final: Floats
@@ -52,7 +54,7 @@ class Part(NamedTuple):
     label: Label
     outcome: str
     time: Floats
-    books: Any  # records of core.types.Books
+    response: Any  # records of core.types.BearingResponse
     rubber: Floats
     initial: Floats
     final: Floats  # after the last of these steps
@@ -114,8 +116,8 @@ class Journal:
 def merge(parts: Sequence[Part]) -> list[Served]:
     """Return the history of a bearing, in each direction, from its parts in a row."""
     last = parts[-1]
-    book_table = np.concatenate([part.books for part in parts])
-    books = {name: book_table[name].copy() for name in book_table.dtype.names or ()}
+    response_table = np.concatenate([part.response for part in parts])
+    response = {name: response_table[name].copy() for name in response_table.dtype.names or ()}
     time = np.concatenate([part.time for part in parts])
     rubber = np.concatenate([part.rubber for part in parts])
     return [
@@ -126,9 +128,9 @@ def merge(parts: Sequence[Part]) -> list[Served]:
             run=last.label.run,
             outcome=last.outcome,
             time=time,
-            books={
+            response={
                 key: column[:, place] if column.ndim > 1 else column
-                for key, column in books.items()
+                for key, column in response.items()
             },
             rubber=rubber,
             initial=last.initial,
@@ -148,10 +150,10 @@ class Recording:
         self._initial = bearing.state.temperature.copy()
         self._final = self._initial
         self._history = 0 if journal is None else journal.new_history()
-        self._rows: list[tuple[float, Any, Floats]] = []  # time, books, rubber
+        self._rows: list[tuple[float, Any, Floats]] = []  # time, response, rubber
         self._places: list[int] = []  # of the parts in the journal
-        self._start = bearing.state.books["displacement"].copy()
-        self._no_books = bearing.state.books[:0].copy()
+        self._start = bearing.state.response["displacement"].copy()
+        self._no_response = bearing.state.response[:0].copy()
         self.displaced = False  # a gravity stage alone leaves no history
         self.outcome = "completed"
         self.keep(0.0, bearing)
@@ -160,10 +162,10 @@ class Recording:
         """Append the committed state."""
         state = bearing.state
         rubber = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
-        self._rows.append((time, state.books.copy(), rubber))
+        self._rows.append((time, state.response.copy(), rubber))
         self._final = state.temperature.copy()
         if not self.displaced:
-            self.displaced = bool((state.books["displacement"] != self._start).any())
+            self.displaced = bool((state.response["displacement"] != self._start).any())
         if len(self._rows) >= ROWS_IN_MEMORY:
             self.flush()
 
@@ -189,17 +191,17 @@ class Recording:
     def _part(self) -> Part:
         """Return the steps in memory; none where all have been written."""
         time = np.array([row[0] for row in self._rows])
-        books: Any = self._no_books
+        response: Any = self._no_response
         rubber = np.empty((0, len(self._upper)))
         if self._rows:
-            books = np.concatenate([row[1] for row in self._rows])
+            response = np.concatenate([row[1] for row in self._rows])
             rubber = np.array([row[2] for row in self._rows])
         return Part(
             history=self._history,
             label=self.label,
             outcome=self.outcome,
             time=time,
-            books=books,
+            response=response,
             rubber=rubber,
             initial=self._initial,
             final=self._final,

@@ -48,7 +48,7 @@ def build_pieces(result: ServedResult) -> Pieces:
         },
         tables={"elements": result.tables()["elements"]},
         figures={"elements": ReportFigure(caption, draw=result.plot.elements)},
-        books=energy_table(result.energy),
+        energy=energy_table(result.energy),
         assumptions=[
             *ASSUMPTIONS,
             *reported.model_assumptions(case["analysis"], [case["bearing"]]),

@@ -227,8 +227,8 @@ def _dataset(
     stack = stack_labels(model)
     by_step, by_element = ("element", "step"), ("element",)
     data: dict[str, Any] = {"model_time": (by_step, stacked([h.time for h in histories]))}
-    for name, unit, text in stack.books:
-        values = stacked([h.books[name] for h in histories])
+    for name, unit, text in stack.response:
+        values = stacked([h.response[name] for h in histories])
         data[name] = (by_step, values, {"units": unit, "long_name": text})
     data["strain"] = (by_step, data["displacement"][1] / case.bearing.total_rubber_thickness)
     data["rubber_temperature"] = ((*by_step, "layer"), stacked([h.rubber for h in histories]))
@@ -261,7 +261,7 @@ def _attributes(
     bearing, constants = case.bearing, model.constants
     ranges, names, rows = calibration_ranges(bearing), _labels(histories), []
     for name, history in zip(names, histories, strict=True):
-        clock, x = history.books["clock"], history.books["displacement"]
+        clock, x = history.response["clock"], history.response["displacement"]
         # Steps of the shortest duration, in which the model's time stands still, have no speed
         # that a test could be compared with.
         dt = np.maximum(np.diff(clock), np.finfo(float).tiny)
@@ -272,13 +272,13 @@ def _attributes(
             speed,
             rubber=bearing.total_rubber_thickness,
             ambient=(case.ambient, case.ambient),
-            lead=history.books["lead_temperature"] if bearing.lead else None,
+            lead=history.response["lead_temperature"] if bearing.lead else None,
         )
         rows += compare_with_tests(name, reached, ranges)
     law: list[str] = []
     if case.analysis.model not in BLIND:
         runs = [
-            (name, h.books["clock"], np.asarray(h.rubber))
+            (name, h.response["clock"], np.asarray(h.rubber))
             for name, h in zip(names, histories, strict=True)
         ]
         law = outside_law(

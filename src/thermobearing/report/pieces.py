@@ -249,9 +249,10 @@ class Pieces:
     The question is a sentence or two, the answer three with numbers. `inputs`, `tables` and
     `figures` are by name. `validity` holds sentences on what left the range that the parameters
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
-    warning. `books` is the energy balance; `identity` has version, input hash and command; `live`
-    computes the result again in an HTML page; `signatures` are the roles of those who sign, and
-    `one_page` whether the document is to fit on one; `files` stand next to the document, by name.
+    warning. `energy` is the energy balance; `identity` has version, input hash and command;
+    `live` computes the result again in an HTML page; `signatures` are the roles of those who sign,
+    and `one_page` whether the document is to fit on one; `files` stand next to the document, by
+    name.
     """
 
     command: str
@@ -265,7 +266,7 @@ class Pieces:
     validity: Sequence[str] = ()
     validity_unknown: str = ""
     notes: Sequence[str] = ()
-    books: Table | None = None
+    energy: Table | None = None
     assumptions: Sequence[str] = ()
     warnings: Sequence[str] = ()
     identity: Mapping[str, str] = field(default_factory=dict)

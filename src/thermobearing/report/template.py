@@ -3,7 +3,7 @@
 A line is a heading (`#`), a list item (`- `), text of a paragraph, or one placeholder:
 
     {{ question }}  {{ answer }}  {{ exceeded }}  {{ actions }}  {{ inputs }}  {{ checks }}
-    {{ validity }}  {{ books }}  {{ assumptions }}  {{ warnings }}  {{ identity }}  {{ live }}
+    {{ validity }}  {{ energy }}  {{ assumptions }}  {{ warnings }}  {{ identity }}  {{ live }}
     {{ signatures }}
     {{ table NAME }}  {{ figure NAME }}      a table or figure by its name
     {{ tables }}  {{ figures }}              all tables or figures that are not called by name
@@ -222,7 +222,7 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "actions": _actions,
     "checks": _checks,
     "validity": _validity,
-    "books": lambda pieces: [TableBlock("books", pieces.books)] if pieces.books else [],
+    "energy": lambda pieces: [TableBlock("energy", pieces.energy)] if pieces.energy else [],
     "assumptions": lambda pieces: _listed(pieces.assumptions),
     "warnings": lambda pieces: _listed(pieces.warnings, "warning"),
     "identity": _identity,

@@ -48,8 +48,8 @@ def workbook_bytes(pieces: Pieces, histories: Mapping[str, History]) -> bytes:
     tables = {"Answer": _front(pieces)}
     tables |= {"Checks": checks_table(pieces.checks, signs=False)} if pieces.checks else {}
     tables |= {**pieces.inputs, **pieces.tables}
-    if pieces.books is not None:
-        tables["energy balance"] = pieces.books
+    if pieces.energy is not None:
+        tables["energy balance"] = pieces.energy
     return sheets_bytes(tables | _history_tables(histories))
 
 

@@ -58,7 +58,7 @@ def build_pieces(result: SequenceResult) -> Pieces:
         inputs=_inputs(result, case),
         tables=result.tables(),
         figures=_figures(result) if parts else {},
-        books=(
+        energy=(
             make_table(
                 _energies(result), caption="Energy balance of the specimen", note=BALANCE_NOTE
             )

@@ -126,7 +126,7 @@ def _unloaded(case: SequenceCase, number: int, state: SpecimenState) -> Specimen
     element.set_trial(end, dt, ambient)
     element.commit()
     end_state, has_lead = element.state, state.lead_temperature is not None
-    lead_temperature = float(end_state.books[0].lead_temperature) if has_lead else float("nan")
+    lead_temperature = float(end_state.response[0].lead_temperature) if has_lead else float("nan")
     return specimen_state(
         end_state.temperature, lead_temperature, state_memory(end_state)
     ).model_copy(update={"zero": end})

@@ -243,7 +243,7 @@ def begin_bearings(system: System, bearings: Bearings) -> None:
 
 @compiled
 def settle_bearings(system: System, bearings: Bearings, ambient: float) -> int:
-    """Heat and books of the bearings' last trials, once they are accepted.
+    """Heat and energies of the bearings' last trials, once they are accepted.
 
     A line may be in warmer air than `ambient` [degC].
     Returns an outcome of the coupled step.
@@ -274,7 +274,7 @@ def _move_bearings(
             line, state = system.lines[b], bearing.state
             # A specimen at a scale, which may begin where an earlier test left it.
             x = plus(line.start, scaled(motion.stretches[b], line.length_factor))
-            bearing_dt = _bearing_dt(line, dt, minus(x, state.books[0].displacement))
+            bearing_dt = _bearing_dt(line, dt, minus(x, state.response[0].displacement))
             kind.durations[m] = bearing_dt
             force, slope, move_outcome = move(
                 kind.constants, bearing.work, state, x, bearing_dt, bearing.trial
@@ -319,13 +319,13 @@ def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noi
 
 
 @compiled
-def add_books(system: System, motion: Motion, before: Vector, after: Vector) -> None:
+def add_energies(system: System, motion: Motion, before: Vector, after: Vector) -> None:
     """Work of one step to the trial, trapezoidal.
 
     `before` and `after` are ground accelerations [mm/s2]. The work of the bearings comes from
-    their own books, see `commit`.
+    their own energies, see `commit`.
     """
-    books, points, n = motion.books[0], motion.points, motion.tangent.shape[0]
+    energies, points, n = motion.energies[0], motion.points, motion.tangent.shape[0]
     input_work = 0.0
     damping_work = 0.0
     kinetic = 0.0
@@ -343,18 +343,18 @@ def add_books(system: System, motion: Motion, before: Vector, after: Vector) -> 
         old, new = motion.hinges.bends[h], motion.trial_hinges.bends[h]
         rotation = new.rotation - old.rotation
         hinge_work += 0.5 * (new.moment + old.moment) * rotation
-    books.input += input_work
-    books.damping += damping_work
-    books.hinges += hinge_work
-    books.kinetic = kinetic
-    books.springs = stored
+    energies.input += input_work
+    energies.damping += damping_work
+    energies.hinges += hinge_work
+    energies.kinetic = kinetic
+    energies.springs = stored
 
 
 @compiled
 def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> None:
     """The trial becomes the state."""
-    books, points = motion.books[0], motion.points
-    books.bearings = 0.0
+    energies, points = motion.energies[0], motion.points
+    energies.bearings = 0.0
     for i in range(motion.tangent.shape[0]):
         points[i].q = points[i].trial
         points[i].v = points[i].predicted_v
@@ -371,13 +371,13 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
             copy_state(kind.bearings[m].trial, state)
             # The structure does not feel the work of the force at rest, nor the scale of the
             # specimen.
-            work = state.books[0].work_in - dot(
-                line.at_rest, minus(state.books[0].displacement, line.start)
+            work = state.response[0].work_in - dot(
+                line.at_rest, minus(state.response[0].displacement, line.start)
             )
-            books.bearings += line.force_factor / line.length_factor * work
+            energies.bearings += line.force_factor / line.length_factor * work
     if len(system.sections.sections) > 0:
-        books.bearings -= lend(system, motion)
-    books.clock += dt
+        energies.bearings -= lend(system, motion)
+    energies.clock += dt
 
 
 @compiled
@@ -391,7 +391,7 @@ def press_sections(
             b = kind.lines[m]
             number = system.sections.number[b]
             if number >= 0:
-                force = scaled(kind.states.books[m, 0].force, system.lines[b].force_factor)
+                force = scaled(kind.states.response[m, 0].force, system.lines[b].force_factor)
                 shear = along_x(force), across(force)
                 press_line(system, motion, number, shear[0], shear[1], ground, dt)
 
@@ -410,14 +410,14 @@ def keep_sections(system: System, motion: Motion, rows: MotionRows, row: int) ->
     keep_section(system, 1 + row, motion)  # after the start
     for a in range(len(system.sections.sections)):
         b = system.sections.sections[a].line
-        books = rows.bearings[row, b]
-        books.force = less_axial(system, b, motion.stretches[b], books.force)
+        response = rows.bearings[row, b]
+        response.force = less_axial(system, b, motion.stretches[b], response.force)
 
 
 @compiled
 def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) -> None:
     """Write the state of the structure, its hinges and its bearings into one row."""
-    rows.books[row] = motion.books[0]
+    rows.energies[row] = motion.energies[0]
     for i in range(motion.tangent.shape[0]):
         rows.q[row, i] = motion.points[i].q
         rows.v[row, i] = motion.points[i].v
@@ -428,7 +428,7 @@ def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) 
         kind, layers, profiles = bearings[k], rows.layers[k], rows.cells[k]
         cells = kind.constants.layer_cells
         for m in range(len(kind.lines)):
-            rows.bearings[row, kind.lines[m]] = kind.states.books[m, 0]
+            rows.bearings[row, kind.lines[m]] = kind.states.response[m, 0]
             temperature, kept = kind.states.temperature[m], layers[row, m]
             for j in range(len(cells)):
                 kept[j] = layer_temperature(cells, temperature, j)

@@ -17,7 +17,7 @@ from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_s
 from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import (
     COMPLETED,
-    Books,
+    BearingResponse,
     Constants,
     SharedCells,
     Workspace,
@@ -83,8 +83,8 @@ class RunPeaks(NamedTuple):
     watches: Rows[types.Watch]  # [p]
     lines: Rows[types.LinePeak]  # [b]
     hinges: Rows[types.HingePeak]  # [h]
-    books: Rows[types.MotionBooks]  # [1] energies at the end
-    bearings: Rows[Books]  # [b] of the modelled bearing of each line, at the end
+    energies: Rows[types.MotionEnergies]  # [1] energies at the end
+    bearings: Rows[BearingResponse]  # [b] of the modelled bearing of each line, at the end
     alone: bool  # whether it was run alone
 
 
@@ -126,18 +126,18 @@ def _stored_in(kinds: Sequence[tuple[Ints, Any]], lines: int) -> Floats:
     """Return the energy stored in the bearings of all lines [b]."""
     energies = np.zeros(lines)
     for numbers, states in kinds:
-        energies[numbers] = states.books["recoverable"][:, 0]
+        energies[numbers] = states.response["recoverable"][:, 0]
     return energies
 
 
-def _modelled_books(bearings: Bearings, lines: int) -> Rows[Books]:
+def _modelled_responses(bearings: Bearings, lines: int) -> Rows[BearingResponse]:
     """Return the records of the modelled bearings of all lines [b]."""
-    components = bearings[0].states.books["displacement"].ndim - 1
-    books = rows(Books, lines, components=components)
+    components = bearings[0].states.response["displacement"].ndim - 1
+    response = rows(BearingResponse, lines, components=components)
     for kind in bearings:
         for m, line in enumerate(kind.lines):
-            books[int(line)] = kind.states.books[m, 0]
-    return books
+            response[int(line)] = kind.states.response[m, 0]
+    return response
 
 
 def _build_scheme(run: Run, halvings: int) -> types.Scheme:
@@ -145,7 +145,12 @@ def _build_scheme(run: Run, halvings: int) -> types.Scheme:
 
 
 def _collect_peaks(
-    bearings: Bearings, books: Any, peaks: Sequence[Any], stored: Floats, steps: int, outcome: int
+    bearings: Bearings,
+    energies: Any,
+    peaks: Sequence[Any],
+    stored: Floats,
+    steps: int,
+    outcome: int,
 ) -> RunPeaks:
     """Return the peaks of a run alone from its records; `stored` [b] is the energy at its start."""
     outcome_name = OUTCOMES[outcome]
@@ -155,13 +160,13 @@ def _collect_peaks(
     return RunPeaks(
         outcome=outcome_name,
         steps=steps,
-        iterations=int(books[0].iterations),
-        substeps=int(books[0].substeps),
+        iterations=int(energies[0].iterations),
+        substeps=int(energies[0].substeps),
         watches=watches,
         lines=lines,
         hinges=hinges,
-        books=books,
-        bearings=_modelled_books(bearings, len(stored)),
+        energies=energies,
+        bearings=_modelled_responses(bearings, len(stored)),
         alone=True,
     )
 
@@ -178,13 +183,13 @@ def run_peaks(run: Run) -> RunPeaks:
         return peaks
     # The run ended within a step: `peaks` has the last full step, but energies and bearings do not.
     virgin = build_bearings(*start_arguments(run.prepared, run.lines))
-    books, ended = rows(types.MotionBooks, 1), _modelled_books(virgin, len(run.lines))
+    energies, ended = rows(types.MotionEnergies, 1), _modelled_responses(virgin, len(run.lines))
     if peaks.steps > 0:
         _, kept = _marched(run, peaks.steps)
-        books = kept.books
+        energies = kept.energies
         for line in range(len(run.lines)):
             ended[line] = kept.bearings[0, line]
-    return peaks._replace(books=books, bearings=ended)
+    return peaks._replace(energies=energies, bearings=ended)
 
 
 def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
@@ -201,7 +206,9 @@ def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
     march = peaks_march if system.load.ndim == 1 else plane_march
     scheme = _build_scheme(run, HALVINGS)
     steps, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
-    return _collect_peaks(bearings, motion.books, peaks[2:], stored, int(steps), int(outcome)), room
+    return _collect_peaks(
+        bearings, motion.energies, peaks[2:], stored, int(steps), int(outcome)
+    ), room
 
 
 def _check_method(run: Run) -> None:
@@ -295,7 +302,7 @@ def _scratch(kind: Kind) -> tuple[Workspace, Floats, Floats]:
     """Return scratch for the lines of a kind, as `split` takes it."""
     constants = kind.constants
     elastic, hysteretic = np.zeros((2, len(kind.lines), len(constants.multiplicity)))
-    components = kind.states.books["displacement"].ndim - 1
+    components = kind.states.response["displacement"].ndim - 1
     return new_workspace(constants, components), elastic, hysteretic
 
 
@@ -334,8 +341,8 @@ class Lockstep:
             peaks._replace(places=places, carried=carried),
             outcomes,
         )
-        records = tuple(kind.states for kind in bearings), motion.books, peaks[2:]
-        run_records = each_lane(records, (starts[0], self.motion.books, self.peaks[2:]))
+        records = tuple(kind.states for kind in bearings), motion.energies, peaks[2:]
+        run_records = each_lane(records, (starts[0], self.motion.energies, self.peaks[2:]))
         return [
             self._peaks(run, starts[lane], *run_records[lane], int(steps))
             if outcomes[0, lane] == COMPLETED
@@ -381,7 +388,7 @@ class Lockstep:
         return joined
 
     def _peaks(
-        self, run: Run, start: Any, states: Any, books: Any, noted_peaks: Any, steps: int
+        self, run: Run, start: Any, states: Any, energies: Any, noted_peaks: Any, steps: int
     ) -> RunPeaks:
         ended = tuple(
             kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
@@ -389,5 +396,5 @@ class Lockstep:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        peaks = _collect_peaks(ended, books, noted_peaks, stored, steps, COMPLETED)
+        peaks = _collect_peaks(ended, energies, noted_peaks, stored, steps, COMPLETED)
         return peaks._replace(alone=False)

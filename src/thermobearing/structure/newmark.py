@@ -33,7 +33,7 @@ from thermobearing.core.vector import (
 )
 from thermobearing.structure.forces import (
     Bearings,
-    add_books,
+    add_energies,
     begin_bearings,
     commit,
     keep_motion,
@@ -79,14 +79,14 @@ def _note_lines(system: System, bearings: Bearings, motion: Motion, peaks: Peaks
         kind = bearings[k]
         cells = kind.constants.layer_cells
         for m in range(len(kind.lines)):
-            peak, books = peaks.lines[kind.lines[m]], kind.states.books[m, 0]
-            peak.displacement = farther(peak.displacement, books.displacement)
-            force = books.force
+            peak, response = peaks.lines[kind.lines[m]], kind.states.response[m, 0]
+            peak.displacement = farther(peak.displacement, response.displacement)
+            force = response.force
             if len(system.sections.sections) > 0:
                 b = kind.lines[m]
                 force = less_axial(system, b, motion.stretches[b], force)
             peak.force = farther(peak.force, force)
-            peak.mismatch = max(peak.mismatch, books.layer_force_mismatch)
+            peak.mismatch = max(peak.mismatch, response.layer_force_mismatch)
             lead = kind.states.branches[m, 0].lead_temperature
             peak.lead_temperature = max(peak.lead_temperature, lead)
             temperature = kind.states.temperature[m]
@@ -198,7 +198,7 @@ def _newmark_step(
         failed = outcome != COMPLETED
         if all_lanes(failed):
             return outcome
-        motion.books[0].iterations += select(converged | failed, 0.0, 1.0)
+        motion.energies[0].iterations += select(converged | failed, 0.0, 1.0)
         # A run of a lockstep that failed counts as converged: the others decide when to stop.
         converged = failed | residual(system, motion, scheme, dt, ground, scale)
         if all_lanes(converged):
@@ -275,7 +275,7 @@ def newmark_march(
             failed = outcome != COMPLETED
             if not all_lanes(failed | (failure != COMPLETED)):
                 before = plus(ground[k], scaled(change, elapsed / parts))
-                add_books(system, motion, before, target)
+                add_energies(system, motion, before, target)
                 commit(system, bearings, motion, sub)
                 if presses:
                     upwards = _upwards(system, k, share)
@@ -291,10 +291,10 @@ def newmark_march(
                 outcome = select(failure == COMPLETED, outcome, failure)
                 return k, kept, select(overheated == COMPLETED, outcome, overheated)
             # Bounds the effort of a run, which halving alone does not.
-            if all_lanes(motion.books[0].iterations > MOST_ITERATIONS * (k + GRACE)):
+            if all_lanes(motion.energies[0].iterations > MOST_ITERATIONS * (k + GRACE)):
                 return k, kept, select(overheated == COMPLETED, NO_EQUILIBRIUM, overheated)
             part //= 2
-            motion.books[0].substeps += 1.0
+            motion.energies[0].substeps += 1.0
         _note_peaks(system, bearings, motion, ground[k + 1], peaks)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)

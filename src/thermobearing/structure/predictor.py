@@ -11,7 +11,7 @@ from thermobearing.core.records import Floats
 from thermobearing.core.types import COMPLETED
 from thermobearing.structure.forces import (
     Bearings,
-    add_books,
+    add_energies,
     along,
     begin_bearings,
     commit,
@@ -184,7 +184,7 @@ def predictor_march(
                 return k, kept, MEASURE
         if not correct(system, motion, actuators.stiffness, scheme.beta, dt):
             return k, kept, NO_EQUILIBRIUM
-        add_books(system, motion, ground[k], ground[k + 1])
+        add_energies(system, motion, ground[k], ground[k + 1])
         commit(system, bearings, motion, dt)
         if shaking.keep[k]:
             keep_motion(bearings, motion, rows, kept)

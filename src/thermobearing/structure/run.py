@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from thermobearing.core.axial import Column
 from thermobearing.core.records import Floats, Ints, Rows, rows, unset
-from thermobearing.core.types import AxialBooks, Books, Constants, State
+from thermobearing.core.types import AxialResponse, BearingResponse, Constants, State
 from thermobearing.model.axial import axial_rows
 from thermobearing.model.outcomes import (
     INTERRUPTED,
@@ -55,12 +55,12 @@ from thermobearing.structure.types import (
     LineFactors,
     LinePeak,
     Motion,
-    MotionBooks,
+    MotionEnergies,
     MotionRows,
     Peaks,
     Scheme,
     Section,
-    SectionBooks,
+    SectionEnergies,
     SectionPeak,
     Sections,
     Shaking,
@@ -147,7 +147,7 @@ class AxialHistory:
     force: Floats  # [rows, s] axial forces of all bearings, those of a line side by side [kN]
     limit: Floats  # [rows, a] critical load of one bearing of a line [kN]
     peaks: Rows[SectionPeak]  # [a]
-    books: Rows[SectionBooks]  # [a] energies at the end
+    energies: Rows[SectionEnergies]  # [a] energies at the end
     supports: Rows[Support]  # [s] bearings at the end, with their extremes
     sections: Rows[Section]  # [a]
 
@@ -165,7 +165,7 @@ class StructureHistory:
     note: str = ""  # a warning of the specimen
     axial: AxialHistory | None = None  # where axial forces act
 
-    def bearing(self, line: int = 0) -> Rows[Books]:
+    def bearing(self, line: int = 0) -> Rows[BearingResponse]:
         """Return the energies and forces of the modelled bearing of a line."""
         return self.rows.bearings[:, line]
 
@@ -245,7 +245,7 @@ def prepare_structure(
     return Prepared(structure, matrices, modes, matrix, ratios, stiffness)
 
 
-def start_under_load(line: Line, scale: float) -> AxialBooks:
+def start_under_load(line: Line, scale: float) -> AxialResponse:
     """Return stiffness and critical load of the modelled bearing of a line at its start."""
     assert line.pressed is not None
     cells, temperature = line.constants.layer_cells, line.temperature
@@ -309,7 +309,7 @@ def build_sections(
         number=number,
         columns=cast(Rows[Column], np.concatenate(columns)),
         sections=sections,
-        books=rows(SectionBooks, len(pressed)),
+        energies=rows(SectionEnergies, len(pressed)),
         peaks=peaks,
         supports=supports,
         vertical=np.zeros(0) if vertical is None else np.ascontiguousarray(vertical),
@@ -335,8 +335,8 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         factors[b].speed = line.speed
         factors[b].warmer = line.warmer
         if line.begun is not None:
-            factors[b].start = line.begun.books[0].displacement
-            factors[b].at_rest = line.begun.books[0].force
+            factors[b].start = line.begun.response[0].displacement
+            factors[b].at_rest = line.begun.response[0].force
     return System(
         mass=np.ascontiguousarray(matrices.mass),
         damping=np.ascontiguousarray(prepared.damping),
@@ -371,7 +371,7 @@ def new_motion(system: System) -> Motion:
         hinges=straight_hinges(system.hinges),
         trial_hinges=straight_hinges(system.hinges),
         stretches=np.zeros((len(system.lines), *system.load.shape[1:])),
-        books=rows(MotionBooks, 1),
+        energies=rows(MotionEnergies, 1),
     )
 
 
@@ -392,12 +392,12 @@ def room_for(
     """Return rows for states of a structure and its bearings, not filled."""
     n, components = len(system.load), system.load.ndim
     return MotionRows(
-        books=unset(MotionBooks, count),
+        energies=unset(MotionEnergies, count),
         q=np.empty((count, n)),
         v=np.empty((count, n)),
         a=np.empty((count, n)),
         hinges=unset(Bend, count, len(system.hinges)),
-        bearings=unset(Books, count, len(system.lines), components=components),
+        bearings=unset(BearingResponse, count, len(system.lines), components=components),
         layers=tuple(
             np.empty((count, len(kind.lines), len(kind.constants.multiplicity)))
             for kind in bearings
@@ -468,12 +468,12 @@ class _Measured:
 
     def begin(self) -> None:
         """Measure the force at rest, with which the structure is in balance."""
-        self._move(self._bearing().state.books[0], 0.0, 0.0)
+        self._move(self._bearing().state.response[0], 0.0, 0.0)
 
     def take(self) -> None:
         """Replace the force of the modelled bearing in the trial by that of the specimen."""
         bearing = self._bearing()
-        trial, state = bearing.trial.books[0], bearing.state.books[0]
+        trial, state = bearing.trial.response[0], bearing.state.response[0]
         step = trial.clock - state.clock
         self._move(trial, (trial.displacement - state.displacement) / step, trial.clock)
         line = self.system.lines[self.specimen.line]
@@ -487,19 +487,19 @@ class _Measured:
         line, factors = self.specimen.line, self.system.lines[self.specimen.line]
         force, x = np.array(self.force), np.array(self.displacement)
         work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
-        books = rows.bearings[:, line]
-        work = work[kept] + books["work_in"][0]
+        response = rows.bearings[:, line]
+        work = work[kept] + response["work_in"][0]
         # The march has added the work of the modelled bearing: the difference is put right.
-        error = work - books["work_in"] - (force[0] - factors.at_rest) * (x[kept] - x[0])
-        rows.books["bearings"] += factors.force_factor / factors.length_factor * error
-        books["force"], books["work_in"] = force[kept], work
+        error = work - response["work_in"] - (force[0] - factors.at_rest) * (x[kept] - x[0])
+        rows.energies["bearings"] += factors.force_factor / factors.length_factor * error
+        response["force"], response["work_in"] = force[kept], work
 
-    def _move(self, books: Any, speed: float, time: float) -> None:
+    def _move(self, response: Any, speed: float, time: float) -> None:
         force = self.specimen.move(
-            float(books.displacement), float(speed), float(time), float(books.force)
+            float(response.displacement), float(speed), float(time), float(response.force)
         )
         self.force.append(force)
-        self.displacement.append(float(books.displacement))
+        self.displacement.append(float(response.displacement))
 
     def _bearing(self) -> Bearing:
         for kind in self.bearings:
@@ -620,14 +620,14 @@ def run_structure(
         bearings, kept_rows.bearings["recoverable"][0]
     ):
         outcome_name = NOT_PHYSICAL
-    books = motion.books[0]
+    energies = motion.energies[0]
     return StructureHistory(
         rows=kept_rows.part(0, 1 + kept),
         bearings=bearings,
         outcome=outcome_name,
         steps=int(steps_done),
-        iterations=int(books.iterations),
-        substeps=int(books.substeps),
+        iterations=int(energies.iterations),
+        substeps=int(energies.substeps),
         axial=_axial_history(sections, kept),
     )
 
@@ -641,7 +641,7 @@ def _axial_history(sections: Sections, kept: int) -> AxialHistory | None:
         force=sections.kept[: 1 + kept],
         limit=sections.limits[: 1 + kept],
         peaks=sections.peaks,
-        books=sections.books,
+        energies=sections.energies,
         supports=sections.supports,
         sections=sections.sections,
     )

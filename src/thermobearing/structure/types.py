@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from thermobearing.core.axial import Column
 from thermobearing.core.records import Floats, Ints, Rows, rows
-from thermobearing.core.types import Books, Vectors
+from thermobearing.core.types import BearingResponse, Vectors
 from thermobearing.core.vector import Peak, Vector
 
 # Outcomes in addition to those of the coupled step (core/types.py).
@@ -78,7 +78,7 @@ class Coordinate:
     load: float  # Delta a_p of the predictor
 
 
-class MotionBooks:
+class MotionEnergies:
     """Energies since the start, and what the integration took."""
 
     clock: Annotated[float, "s", "time since the start"]
@@ -129,7 +129,7 @@ class Section:
     ground: float  # vertical ground acceleration, upwards [mm/s2]
 
 
-class SectionBooks:
+class SectionEnergies:
     """Energies of a section since the start, and the iterations of its equilibrium."""
 
     lent: Annotated[float, "kN mm", "work that axial forces give to the shear"]
@@ -184,7 +184,7 @@ class Sections(NamedTuple):
     number: Ints  # [b] of the section of a line; -1: none
     columns: Rows[Column]  # [a]
     sections: Rows[Section]  # [a]
-    books: Rows[SectionBooks]  # [a]
+    energies: Rows[SectionEnergies]  # [a]
     peaks: Rows[SectionPeak]  # [a]
     supports: Rows[Support]  # [s]
     vertical: Floats  # [steps + 1] ground acceleration upwards [mm/s2]
@@ -196,7 +196,7 @@ NO_SECTIONS: Final = Sections(
     number=np.zeros(0, dtype=np.int64),
     columns=rows(Column, 0),
     sections=rows(Section, 0),
-    books=rows(SectionBooks, 0),
+    energies=rows(SectionEnergies, 0),
     peaks=rows(SectionPeak, 0),
     supports=rows(Support, 0),
     vertical=np.zeros(0),
@@ -236,7 +236,7 @@ class Motion(NamedTuple):
     hinges: HingeState
     trial_hinges: HingeState
     stretches: Vectors  # [b] of the bearing lines at the trial [mm]
-    books: Rows[MotionBooks]  # [1]
+    energies: Rows[MotionEnergies]  # [1]
 
 
 class Scheme(NamedTuple):
@@ -309,12 +309,12 @@ class Peaks(NamedTuple):
 class MotionRows(NamedTuple):
     """Room for the steps that are kept."""
 
-    books: Rows[MotionBooks]  # [rows]
+    energies: Rows[MotionEnergies]  # [rows]
     q: Floats  # [rows, n]
     v: Floats
     a: Floats
     hinges: Rows[Bend]  # [rows, h]
-    bearings: Rows[Books]  # [rows, b]
+    bearings: Rows[BearingResponse]  # [rows, b]
     layers: tuple[Floats, ...]  # [kinds] of [rows, m, L]: temperatures at mid-thickness [degC]
     # [kinds] of [rows, m, N]: temperatures of the cells [degC], no columns if they are not kept
     cells: tuple[NDArray[np.float32], ...]
@@ -323,7 +323,7 @@ class MotionRows(NamedTuple):
         """The same rows from `first` to before `end`, not a copy."""
         selection = slice(first, end)
         return MotionRows(
-            self.books[selection],
+            self.energies[selection],
             self.q[selection],
             self.v[selection],
             self.a[selection],

@@ -54,8 +54,8 @@ def begin_section(
         begin(constants, work, state)
     section.compression, section.shear, section.softest = c, g, softest
     section.x, section.y = (
-        along_x(state.books[0].displacement),
-        across(state.books[0].displacement),
+        along_x(state.response[0].displacement),
+        across(state.response[0].displacement),
     )
     overlap = 1.0
     if column.by_overlap == 1:
@@ -206,7 +206,7 @@ def solve_section(
 def commit_section(system: System, a: int, moment: float, ground: float, dt: float) -> bool:
     """Move a section to the equilibrium at the end of a step; returns whether there is one."""
     sections = system.sections
-    section, column, books = sections.sections[a], sections.columns[a], sections.books[a]
+    section, column, energies = sections.sections[a], sections.columns[a], sections.energies[a]
     supports = sections.supports
     stiffness, strength = vertical_law(column, section)
     v, roll, iterations, balanced = solve_section(
@@ -214,20 +214,20 @@ def commit_section(system: System, a: int, moment: float, ground: float, dt: flo
     )
     dv = v - section.shortening
     mean_ground = 0.5 * (ground + section.ground)
-    books.weight += section.weight * dv
-    books.overturning += 0.5 * (moment + section.moment) * (roll - section.roll)
-    books.vertical_input += section.mass * mean_ground * dv
+    energies.weight += section.weight * dv
+    energies.overturning += 0.5 * (moment + section.moment) * (roll - section.roll)
+    energies.vertical_input += section.mass * mean_ground * dv
     velocity = 2.0 / dt * dv - section.velocity
     acceleration = 4.0 / (dt * dt) * (dv - dt * section.velocity) - section.acceleration
-    books.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * dv
-    books.vertical_kinetic = 0.5 * section.mass * velocity * velocity
-    books.iterations += iterations
+    energies.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * dv
+    energies.vertical_kinetic = 0.5 * section.mass * velocity * velocity
+    energies.iterations += iterations
     for i in range(section.first, section.last):
         support = supports[i]
         shortening = support.offset + v + roll * support.place
         force, _ = bearing_force(column, section, shortening, stiffness, strength, support.memory)
         moved = shortening - support.shortening
-        books.axial_work += 0.5 * (force + support.axial_force) * moved
+        energies.axial_work += 0.5 * (force + support.axial_force) * moved
         support.axial_force, support.shortening = force, shortening
         support.memory = max(support.memory, -shortening * stiffness / strength)
     section.shortening, section.roll = v, roll
@@ -300,16 +300,16 @@ def lend(system: System, motion: Motion) -> float:
     """Work that axial forces give to the shear of all lines so far [kN mm], with this step."""
     lent = 0.0
     for a in range(len(system.sections.sections)):
-        section, books = system.sections.sections[a], system.sections.books[a]
+        section, energies = system.sections.sections[a], system.sections.energies[a]
         line, stretch = system.lines[section.line], motion.stretches[section.line]
         x, y = along_x(stretch), across(stretch)
         before_x, before_y = section.x / section.scale, section.y / section.scale
         # Trapezoidal, as all works of the structure, whose balance then closes to rounding.
         taken_x, taken_y = line.reduction_x * x, line.reduction_y * y
-        books.lent += 0.5 * (section.taken_x + taken_x) * (x - before_x)
-        books.lent += 0.5 * (section.taken_y + taken_y) * (y - before_y)
+        energies.lent += 0.5 * (section.taken_x + taken_x) * (x - before_x)
+        energies.lent += 0.5 * (section.taken_y + taken_y) * (y - before_y)
         section.taken_x, section.taken_y = taken_x, taken_y
-        lent += books.lent
+        lent += energies.lent
     return lent
 
 

@@ -225,7 +225,7 @@ class ForwardModel:
         self.ended = history.outcome
         if history.outcome != "completed":
             return None
-        balance, rubber = history.rows.books, history.rows.rubber
+        balance, rubber = history.rows.response, history.rows.rubber
         lead = balance["lead_temperature"]
         temperatures = {
             title: self._at_samples(lead if layer is None else rubber[:, layer])

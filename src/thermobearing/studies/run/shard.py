@@ -186,7 +186,7 @@ def _named(records: Any) -> list[dict[str, float]]:
 def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """Return the measures of `compute_measures` from peaks; the bearings begin at rest."""
     bearings, lines = _named(peaks.bearings), _named(peaks.lines)
-    bearing, energies = bearings[task.reported_line], _named(peaks.books)[0]
+    bearing, energies = bearings[task.reported_line], _named(peaks.energies)[0]
     *piers, deck = _named(peaks.watches)
     line_measures = [
         {
