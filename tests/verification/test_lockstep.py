@@ -200,7 +200,7 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
 
 
 def list_numbers(found: RunPeaks) -> dict[str, Any]:
-    groups = ("watches", "lines", "hinges", "response", "bearings")
+    groups = ("watches", "lines", "hinges", "energies", "bearings")
     columns = {group: getattr(found, group) for group in groups}
     return {f"{g}.{name}": c[name] for g, c in columns.items() for name in c.dtype.names}
 
@@ -308,13 +308,10 @@ def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
     assert found.outcome == "lead_melted"
     assert found.bearings[0] == history.bearing()[-1]
     for name in ("input", "kinetic", "hinges"):
-        assert found.response[0][name] == history.rows.response[-1][name]
+        assert found.energies[0][name] == history.rows.energies[-1][name]
     at_once = run_peaks(dataclasses.replace(run, ground=np.array([0.0, np.nan])))
-    assert (at_once.steps, at_once.bearings["work_in"][0], at_once.energies["input"][0]) == (
-        0,
-        0,
-        0,
-    )
+    work_and_input = at_once.bearings["work_in"][0], at_once.energies["input"][0]
+    assert (at_once.steps, *work_and_input) == (0, 0, 0)
 
 
 @pytest.mark.thorough
