@@ -571,3 +571,35 @@ def test_tests_of_one_name_are_told_apart_by_their_folders() -> None:
     ]
     names = [record.name for record in make_identify_case(records, "shen-hdr-specimen").records]
     assert names == ["warm-history", "cold-history", "other"]
+
+
+@pytest.mark.parametrize("ambient", [-20.0, 23.0])
+def test_a_drift_of_three_amplitudes_is_removed_with_its_interval(ambient: float) -> None:
+    """Of 4 kN over 3 x 5 cycles, at least 90 % is removed, and the interval contains the drift.
+
+    The offset is what remains without the drift, so that both can be removed.
+    """
+    drift = 4.0
+    steps = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=5, rest=60.0)
+    plain = synthetic_record(HDR, ambient, steps, noise=0.001, seed=5)
+    line = drift * (plain.time - plain.time[0]) / np.ptp(plain.time)
+    report = check_test(replace(plain, force=plain.force + line), HDR)
+    assert ("warning", "drift") in found(report)
+    assert ("warning", "offset") not in found(report)
+    assert report.treatment is not None
+    measured = report.treatment.drifts["force"]
+    assert abs(measured.total - drift) < 0.1 * drift
+    assert abs(measured.total - drift) < measured.error < treatment.UNSURE * drift
+
+
+def test_the_removal_of_a_drift_that_few_cycles_determine_is_a_warning() -> None:
+    """Cycles of one amplitude in the cold, whose zeros scatter: the interval is wide."""
+    steps = tb.cyclic_test(strain=[1.0], cycles=5, rest=None)
+    plain = synthetic_record(HDR, -20.0, steps, noise=0.001, seed=5)
+    line = 4.0 * (plain.time - plain.time[0]) / np.ptp(plain.time)
+    report = check_test(replace(plain, force=plain.force + line, detrend="force"), HDR)
+    assert report.treatment is not None
+    measured = report.treatment.drifts["force"]
+    assert measured.error > treatment.UNSURE * measured.total
+    assert ("warning", "drift") in found(report)
+    assert report.treatment.summary()["drift_error"]["force_kN"] == measured.error

@@ -200,7 +200,8 @@ def check_test(
     findings += _check_loops(steady, full)
     findings += _check_sampling(steady, full)
     findings += _check_cycles(steady, full)
-    report.offsets = _measure_offsets(steady, cycles)
+    # An offset is what remains without the drift: who removes both must not remove a part twice.
+    report.offsets = _measure_offsets(report.treatment.without_drifts(), cycles)
     findings += _check_zero(steady, report.offsets)
     if report.clipped.any():
         largest = float(np.abs(record.force[report.clipped]).max())

@@ -8,8 +8,9 @@ fluctuation unloads the model a little, and thousands of them reduce its force; 
 samples are at rest, a calibration to samples is one to the rests.
 """
 
+import math
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
@@ -48,9 +49,14 @@ SMALL = 0.02  # of the peak: smaller ones do a fit no harm
 FAST = 3.0  # times the speed of the test: no actuator leaps so
 STEEP = 10.0  # times the stiffness of the test: no loop is steeper where it turns
 LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
-DRIFT = 0.03  # of the peak, over the record: heating moves the zeros by less
+DRIFT = 0.03  # of the peak of the smallest cycles, over the record
 SURE = 4.0  # standard errors of its slope: less may be chance
 FEWEST_ZEROS = 4  # a line through fewer zeros says nothing
+# Neighbouring zeros have legs in common: with the weights 1/4, 1/2 and 1/4 of `measure_zeros`, the
+# variance of their mean is 1/(1/16 + 1/4 + 1/16) times that of independent zeros.
+SHARED_LEGS = math.sqrt(8.0 / 3.0)
+UPPER_END = 0.975  # of a 95 % interval
+UNSURE = 0.1  # of a drift: with a wider interval, its removal is a warning
 
 
 @dataclass(frozen=True)
@@ -168,6 +174,7 @@ class Drift(NamedTuple):
     slope: float  # [mm/s or kN/s]
     begin: float  # of the line at the first of these times [mm or kN]
     total: float  # over the record [mm or kN]
+    error: float  # half the 95 % interval of `total` [mm or kN]
 
 
 @dataclass(frozen=True)
@@ -198,8 +205,22 @@ class Treatment:
             "spikes": {name: len(split_runs(flags)) for name, flags in self.spikes.items()},
             "spikes_removed": self.record.despike,
             "drift": {f"{name}_{UNITS[name]}": drift.total for name, drift in self.drifts.items()},
+            "drift_error": {
+                f"{name}_{UNITS[name]}": drift.error for name, drift in self.drifts.items()
+            },
             "drift_removed": [name for name in _detrended(self.record) if name in self.drifts],
+            "subtracted": {
+                f"{name}_{UNITS[name]}": offset
+                for name, offset in self.record.subtracted.items()
+                if offset
+            },
+            "force_reversed": self.record.reversed_force,
         }
+
+    def without_drifts(self) -> TestRecord:
+        """Return `steady` without the drifts that were measured, removed or not."""
+        remaining = set(self.drifts) - set(_detrended(self.record))
+        return _remove_drifts(self.steady, {name: self.drifts[name] for name in remaining})
 
 
 def _detrended(record: TestRecord) -> list[str]:
@@ -246,13 +267,10 @@ def treat(record: TestRecord) -> Treatment:
     cycles = full_cycles(steady)
     drifts = _drifts(steady, cycles)
     cleaned = bare if record.despike else record
-    drifting = [name for name in _detrended(record) if name in drifts]
-    for name in drifting:
-        line = drifts[name].slope * (time - time[0])
-        bare = replace(bare, **{name: getattr(bare, name) - line})
-        cleaned = replace(cleaned, **{name: getattr(cleaned, name) - line})
+    unwanted = {name: drifts[name] for name in _detrended(record) if name in drifts}
     # Rests are sought again: a drift of the displacement looks like motion.
-    if drifting:
+    if unwanted:
+        bare, cleaned = (_remove_drifts(signals, unwanted) for signals in (bare, cleaned))
         rests = _find_rests(bare)
         steady = _hold_rests(bare, rests)
     return Treatment(
@@ -265,6 +283,15 @@ def treat(record: TestRecord) -> Treatment:
         steady=steady,
         cleaned=_hold_rests(cleaned, rests),
     )
+
+
+def _remove_drifts(record: TestRecord, drifts: Mapping[str, Drift]) -> TestRecord:
+    """Return a record without straight lines in time, which are zero at its first sample."""
+    elapsed = record.time - record.time[0]
+    signals = {
+        name: getattr(record, name) - drift.slope * elapsed for name, drift in drifts.items()
+    }
+    return replace(record, **signals)
 
 
 def _find_spikes(values: Floats, possible: Floats | float = 0.0) -> NDArray[np.bool_]:
@@ -328,19 +355,30 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
     A signal whose drift is to be removed has its line in any case; others where it is certain and
     matters.
     """
+    from scipy.special import stdtrit
+
     requested = _detrended(record)
+    length = float(record.time[-1] - record.time[0])
+    smallest = min(
+        (cycle for cycle in cycles if not cycle.closing),
+        key=lambda cycle: cycle.amplitude,
+        default=None,
+    )
     drifts = {}
     for name in UNITS:
         times, middles = measure_zeros(record, name, cycles)
-        if len(times) < FEWEST_ZEROS:
+        if len(times) < FEWEST_ZEROS or smallest is None:
             continue
-        values = getattr(record, name)
-        (slope, begin), error = np.polyfit(times - times[0], middles, 1, cov=True)
-        total = float(slope * (record.time[-1] - record.time[0]))
-        # Both: a slope that is no chance, and a drift of a size that matters.
-        certain = abs(slope) > SURE * np.sqrt(error[0, 0])
-        if name in requested or (certain and abs(total) > DRIFT * np.abs(values).max()):
-            drifts[name] = Drift(times, middles, float(slope), float(begin), total)
+        small_peak = 0.5 * float(np.ptp(getattr(record, name)[smallest.first : smallest.last + 1]))
+        (slope, begin), covariance = np.polyfit(times - times[0], middles, 1, cov=True)
+        slope_error = float(np.sqrt(covariance[0, 0]))
+        half_width = float(stdtrit(len(times) - 2, UPPER_END)) * SHARED_LEGS * slope_error
+        # Both: a slope that is no chance, and a drift of a size that matters to the smallest
+        # cycles, whose stiffness and damping it changes most.
+        certain = abs(slope) > max(SURE * slope_error, half_width)
+        if name in requested or (certain and abs(slope) * length > DRIFT * small_peak):
+            line = float(slope), float(begin), float(slope) * length
+            drifts[name] = Drift(times, middles, *line, half_width * length)
     return drifts
 
 
@@ -372,11 +410,21 @@ def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
             level, end = (note, "they were removed") if record.despike else (warn, advice)
             yield level("spikes", f"{message}; {end}")
     for name, drift in treatment.drifts.items():
+        unit = UNITS[name]
         message = (
-            f"the zero of the {name} drifts by {drift.total:.3g} {UNITS[name]} over the record"
+            f"the zero of the {name} drifts by {drift.total:.3g} \N{PLUS-MINUS SIGN} "
+            f"{drift.error:.2g} {unit} (95 %) over the record"
         )
         if name in _detrended(record):
-            yield note("drift", f"{message}; it was removed as a straight line in time")
+            message += "; it was removed as a straight line in time"
+            if drift.error <= UNSURE * abs(drift.total):
+                yield note("drift", message)
+            else:
+                yield warn(
+                    "drift",
+                    f"{message}. Up to {drift.error:.2g} {unit} may remain or be too much: "
+                    f"{counted(len(drift.times), 'half cycle')} determine the line",
+                )
         else:
             message += f'; detrend = "{name}" in the sidecar, or --detrend {name}, removes it'
             yield warn("drift", message)
