@@ -135,8 +135,8 @@ def test_certificate_of_many_cycles_is_one_page(fitted: SavedResult, tmp_path: P
     table = identify_certificate.build_certificate(loaded(folder)).tables["cycles"]
     assert identify_report.CLOSING not in table.note
     numbers = [row[2] for row in table.rows]
-    assert len(numbers) == 14
-    assert numbers[:7] == numbers[7:] == [1, 7, 14, 21, 27, 33, 40]
+    assert len(numbers) == 10
+    assert numbers[:5] == numbers[5:] == [1, 11, 21, 30, 40]
     assert "has all 80" in table.note
     (folder / "logo.png").write_bytes(next(folder.rglob("*.png")).read_bytes())
     title = dict.fromkeys(("project", "structure", "client", "author", "number", "revision"), "A")
@@ -149,10 +149,11 @@ def test_certificate_of_many_cycles_is_one_page(fitted: SavedResult, tmp_path: P
     ("text", "line"),
     [
         ("a" * identify_certificate.LINE, "a" * identify_certificate.LINE),
-        ("The model differs. " + "cause " * 20, "The model differs. ..."),
+        ("The model differs. " + "cause " * 20, "The model differs."),
+        ("It is off by 54 %. " + "cause " * 20, "It is off by 54 %."),
         (
             "The zero " + "(cold; " + "x " * 50 + ") is off; it",
-            "The zero (cold; " + "x " * 50 + ") is off ...",
+            "The zero (cold; " + "x " * 50 + ") is off.",
         ),
         ("The zero is off " + "x " * 50, "The zero is off " + "x " * 50),
     ],
@@ -172,7 +173,7 @@ def test_certificate_explains_numbers_that_are_missing(fitted: SavedResult) -> N
 
 def test_certificate_of_many_tests_leaves_cycles_to_their_file(fitted: SavedResult) -> None:
     """22 rows have room on the page; the figure states how many tests it shows."""
-    for count, listed in ((7, True), (8, False)):  # a row for each test, and two parameters
+    for count, listed in ((6, True), (7, False)):  # a row for each test, and two parameters
         records = fitted.summary["records"] * count
         made = identify_certificate.build_certificate(
             replace(fitted, summary={**fitted.summary, "records": records})
@@ -180,6 +181,44 @@ def test_certificate_of_many_tests_leaves_cycles_to_their_file(fitted: SavedResu
         assert ("cycles" in made.tables) is listed
         assert ("cycles.csv" in made.tables["tests"].caption) is not listed
         assert f"3 of {count} tests" in made.figures["loops"].caption
+
+
+def test_certificate_states_the_treatment_of_each_record(fitted: SavedResult) -> None:
+    """Offset, sign, spikes and drift with their numbers; a test held out stands in the table."""
+    (record,) = fitted.summary["records"]
+    treatment = record["treatment"] | {
+        "subtracted": {"force_kN": -2.5, "displacement_mm": 1.5},
+        "force_reversed": True,
+        "spikes": {"displacement": 0, "force": 3},
+        "spikes_removed": True,
+        "drift": {"force_kN": 4.11},
+        "drift_error": {"force_kN": 0.18},
+        "drift_removed": ["force"],
+    }
+    worse = [cycle | {"G_eq_error": -0.123, "h_eq_error": 0.077} for cycle in record["cycles"]]
+    held_out = record | {"name": "cool", "treatment": treatment, "cycles": worse}
+    limits = {"K_eq": 0.15, "h_eq": 0.15}
+    summary = fitted.summary | {"held_out": {"limits": limits, "tests": [], "records": [held_out]}}
+    table = identify_certificate.build_certificate(replace(fitted, summary=summary)).tables["tests"]
+    rows = [
+        dict(zip((column.name for column in table.columns), row, strict=True))
+        for row in table.texts()
+    ]
+    assert [(row["test"], row["use"]) for row in rows] == [
+        ("cold", "calibration"),
+        ("cool", "held out"),
+    ]
+    assert rows[1]["K_eq_error"].endswith("12.3")
+    assert rows[1]["h_eq_error"] == "+7.7"
+    (steps,) = (text for text in identify_report.describe_treatments([held_out]))
+    assert steps in table.note
+    places = [
+        steps.index(word)
+        for word in ("2.5 kN", "1.5 mm", "sign", "3 spikes", "4.11 \N{PLUS-MINUS SIGN} 0.18")
+    ]
+    assert places == sorted(places)  # in the order of the treatment
+    (plain,) = identify_report.describe_treatments([record])
+    assert not any(character.isdigit() for character in plain)
 
 
 def test_certificate_names_tests_held_out_and_warnings(fitted: SavedResult, tmp_path: Path) -> None:

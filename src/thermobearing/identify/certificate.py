@@ -15,9 +15,11 @@ from thermobearing.identify.report import (
     CLOSING,
     LOOPS,
     Row,
+    describe_treatments,
     parameters_table,
     rounded_range,
     valid_for,
+    worst_error,
 )
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
@@ -50,9 +52,14 @@ USUAL_LINES = 5  # of the range, the digest and one more
 MOST_WARNINGS = 3  # that are listed
 NARROW = 14  # letters of a name in the table of tests that do not break
 MOST_LOOPS = 3  # panels of its figure
-FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.0  # of the figure [inch], and where the page is full
-ABOUT = ["test", "specimen", "laboratory", "date", "ambient_degC", "rubber_before", "cycles_found"]
-ABOUT += ["largest_strain", "largest_speed_mm_s", "R2"]
+FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.2  # of the figure [inch], and where the page is full
+OVERFULL = -10  # rows of room below which the figure, which report.html has too, is left out
+NOTE_LINE = 150  # letters of the small print below a table in one line of the page
+ABOUT = ["test", "use", "specimen", "laboratory", "date", "ambient_degC", "rubber_before"]
+ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
+NOTHING_ELSE = (
+    "Rests are held at constant displacement; no signal was filtered, scaled or shifted in time."
+)
 
 
 def build_certificate(saved: SavedResult) -> Pieces:
@@ -71,17 +78,20 @@ def build_certificate(saved: SavedResult) -> Pieces:
     named = {**bearing, "name": summary["bearing"]}
     tests = [str(record["name"]) for record in summary["records"]]
     parameters = replace(parameters_table(summary, BRIEF), note="")
-    tables = {"tests": _certified_tests(summary["records"])}
+    held_out = summary.get("held_out") or {}
+    listed = [*summary["records"], *held_out.get("records", [])]
+    tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}
     identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
     digests = [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
-    held_out = _certified_held_out(summary.get("held_out") or {})
-    answer = [*_certified_range(bearing), *held_out, *digests, *_certified_warnings(saved.warnings)]
+    answer = [*_certified_range(bearing), *_certified_held_out(held_out), *digests]
+    answer += _certified_warnings(saved.warnings)
     lines = sum(1 + len(text) // LINE for text in answer)
-    broken = sum(_is_broken(record) for record in summary["records"])
+    broken = sum(_is_broken(record) for record in listed)
     properties = brief_properties(summary.get("properties") or [])
     # The certificate is one page: the cycles take the rows that the other tables leave.
-    room = PAGE_ROWS - len(tests) - broken - len(parameters.rows) - max(0, lines - USUAL_LINES)
+    room = PAGE_ROWS - len(listed) - broken - len(parameters.rows) - max(0, lines - USUAL_LINES)
     room -= len(properties.rows) + OF_A_TABLE if properties.rows else 0
+    room -= sum(-(-len(table.note) // NOTE_LINE) for table in (tables["tests"], properties))
     cycles = _certified_rows(saved["cycles"]) if "cycles" in saved.tables else None
     if cycles is not None and room >= max(len(tests), cycles["test"].nunique()):
         tables["cycles"] = _certified_cycles(cycles, room)
@@ -90,6 +100,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
     tables |= {"properties": properties} if properties.rows else {}
     tables["parameters"] = parameters
     height = FIGURE_HEIGHT if room >= 0 else LEAST_HEIGHT
+    drawn = "fit" in saved.tables and room >= OVERFULL
     return Pieces(
         command="certificate",
         title=f"Calibration certificate of {summary['bearing']}",
@@ -98,25 +109,39 @@ def build_certificate(saved: SavedResult) -> Pieces:
         "Its parameters are valid for bearings of the same rubber compound.",
         answer=answer,
         tables=tables,
-        figures={"loops": _certified_loops(saved, height)} if "fit" in saved.tables else {},
+        figures={"loops": _certified_loops(saved, height)} if drawn else {},
         identity=identity,
         signatures=SIGNED,
         one_page=True,
     )
 
 
-def _certified_tests(records: Sequence[Row]) -> Table:
-    """Return what each test was: specimen, laboratory, temperature, rubber before, cycles."""
+def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
+    """Return what each test was, how it was used, and the errors of the model in it.
+
+    The note states the treatment of its data.
+    """
     words = {True: "scragged", False: "virgin", None: "not stated"}
     rows = []
-    for record in records:
-        ambient = round(record["ambient_degC"], 2)  # the mean of a column has all its digits
-        row = {"test": record["name"], "ambient_degC": ambient, "R2": record["R2"]}
-        conditions = record["conditions"]
-        row |= {"rubber_before": words[conditions.get("scragged")]}
-        rows.append(conditions | row | {"cycles_found": len(record["cycles"])})
+    for use, tests in (("calibration" if held_out else "", records), ("held out", held_out)):
+        for record in tests:
+            names = ("ambient_degC", "R2")
+            row = {"test": record["name"], "use": use} | {name: record[name] for name in names}
+            row |= {
+                "rubber_before": words[record["conditions"].get("scragged")],
+                "cycles_found": len(record["cycles"]),
+                "K_eq_error": worst_error(record, "G_eq_error"),  # relative errors are the same
+                "h_eq_error": worst_error(record, "h_eq_error"),
+            }
+            rows.append(record["conditions"] | row)
     heads = {"rubber_before": "Rubber before"}
-    return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, keep_keys=True)
+    heads |= {"K_eq_error": "K_eq error", "h_eq_error": "h_eq error"}
+    treatments = " ".join(describe_treatments([*records, *held_out]))
+    note = (
+        f"Treatment of the records. {treatments} {NOTHING_ELSE} Errors: largest over the cycles, "
+        "model / test \N{MINUS SIGN} 1."
+    )
+    return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, note=note, keep_keys=True)
 
 
 def _is_broken(record: Row) -> bool:
@@ -146,12 +171,13 @@ def _certified_held_out(held_out: Row) -> list[str]:
 
 
 def _certified_warnings(warnings: Sequence[str]) -> list[str]:
-    """Return the first sentences of some warnings, and how many more the report lists."""
-    shown = [first_sentences(f"Warning: {tidy(text)}", LINE) for text in warnings[:MOST_WARNINGS]]
+    """Return the first sentences of some warnings, and what the report has more."""
+    texts = [f"Warning: {tidy(text)}" for text in warnings[:MOST_WARNINGS]]
+    shown = [first_sentences(text, LINE) for text in texts]
     remaining = len(warnings) - len(shown)
-    if remaining:
-        shown.append(f"{counted(remaining, 'more warning')} in report.html.")
-    return shown
+    rest = [counted(remaining, "more warning")] if remaining else []
+    rest += ["the reasons and remedies of these"] if shown != texts else []
+    return [*shown, f"The file report.html has {joined(rest)}."] if rest else shown
 
 
 def _certified_rows(cycles: "pd.DataFrame") -> "pd.DataFrame":

@@ -21,6 +21,7 @@ from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import degrees, joined, number, percent, printed_unit
+from thermobearing.results.loop import FIT_FROM, FIT_TO
 
 if TYPE_CHECKING:
     from thermobearing.identify.result import Identification
@@ -33,6 +34,12 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
+# Loops of high-damping rubber are curved: other definitions give other numbers, for instance
+# K_d = (F_max - Q_d)/D of a bilinear loop through the same peak.
+DEFINITIONS = (
+    "In test and model alike, Q_d is half the difference of the forces at zero displacement, K_d "
+    f"the slope of the loading branches from {percent(FIT_FROM)} to {percent(FIT_TO)} of the peak."
+)
 HIGH = 0.975  # upper end of a 95 % interval
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
 
@@ -233,7 +240,7 @@ def properties_table(properties: Sequence[Row]) -> Table:
         {
             "quantity": item["quantity"],
             "unit": item["unit"],
-            "ambient_degC": round(item["ambient_degC"], 2),
+            "ambient_degC": item["ambient_degC"],
             "test": item["test"],
             "property_measured": item["measured"],
             "property_model": item["model"],
@@ -249,7 +256,7 @@ def properties_table(properties: Sequence[Row]) -> Table:
     strains = [percent(item["strain"]) for item in properties]
     note = (
         f"Mean over the cycles at {' or '.join(dict.fromkeys(strains))} shear strain, without "
-        "the first of them. Ratios are those to the warmest test. "
+        f"the first of them. {DEFINITIONS} Ratios are those to the warmest test. "
         "Intervals are those of the model: they contain the uncertainty of "
         "its parameters, and no error of the model, which the comparison with the test shows."
     )
@@ -281,7 +288,7 @@ def brief_properties(properties: Sequence[Row]) -> Table:
         columns += [Quantity(symbol, units[symbol]), Quantity("model", units[symbol])]
     shown = joined(dict.fromkeys(strains.values()), "or")
     caption = f"Equivalent properties at {shown} shear strain: test, and model with 95 % interval"
-    return Table(caption, columns, rows)
+    return Table(caption, columns, rows, note=DEFINITIONS)
 
 
 def _test_and_model(items: Sequence[Row], measured: str, model: str, ends: str) -> list[str]:

@@ -19,6 +19,7 @@ from thermobearing.identify.properties import (
 from thermobearing.identify.records.treatment import DRIFT
 from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.uncertainty.covariance import POOR
+from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
     counted,
@@ -43,7 +44,7 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.results.directory import IDENTIFIED
-from thermobearing.results.ranges import MARKED, parted
+from thermobearing.results.ranges import MARKED, names_by_sentence, parted
 from thermobearing.results.saved import SavedResult
 
 if TYPE_CHECKING:
@@ -99,6 +100,38 @@ def _treatment_table(records: Sequence[Row]) -> Table:
         )
     note = "Rests are held at constant displacement; spikes and drift are removed on request."
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
+
+
+def describe_treatments(records: Sequence[Row]) -> list[str]:
+    """Return what was done to each record before its fit, with numbers, in the order it was done.
+
+    Records with the same treatment share a sentence.
+    """
+    treated = ((str(record["name"]), record.get("treatment") or {}) for record in records)
+    sentences = ((name, joined(_treatment_steps(treatment))) for name, treatment in treated)
+    return [
+        f"{names}: {steps or 'used as recorded'}." for names, steps in names_by_sentence(sentences)
+    ]
+
+
+def _treatment_steps(treatment: Row) -> list[str]:
+    """Return the steps of the treatment of a record, in the words of a sentence."""
+    steps = []
+    for key, offset in treatment.get("subtracted", {}).items():
+        name, _, unit = key.rpartition("_")
+        steps.append(f"{number(offset, '.3g')} {unit} subtracted from the {name}")
+    if treatment.get("force_reversed"):
+        steps.append("the sign of the force reversed")
+    if treatment.get("spikes_removed"):
+        for name, count in treatment["spikes"].items():
+            steps += [f"{counted(count, 'spike')} of the {name} removed"] if count else []
+    errors = treatment.get("drift_error", {})
+    for key, drift in treatment.get("drift", {}).items():
+        name, _, unit = key.rpartition("_")
+        if name in treatment["drift_removed"]:
+            size = f"{number(drift, '.3g')} \N{PLUS-MINUS SIGN} {number(errors.get(key), '.2g')}"
+            steps.append(f"a drift of the {name} of {size} {unit} removed")
+    return steps
 
 
 def _findings_table(records: Sequence[Row]) -> Table:
@@ -177,7 +210,7 @@ def agreement_table(records: Sequence[Row]) -> Table:
     """Return the agreement of the model with each test, and the errors of its cycles."""
     rows = []
     for record in records:
-        row = {"test": record["name"], "ambient_degC": round(record["ambient_degC"], 2)}
+        row = {"test": record["name"], "ambient_degC": record["ambient_degC"]}
         row |= {"R2": record["R2"], "NRMSE": record["NRMSE"], "cycles_found": len(record["cycles"])}
         for name in CYCLE_MEASURES:
             errors = [cycle[name] for cycle in record["cycles"]] or [float("nan")]
@@ -186,6 +219,12 @@ def agreement_table(records: Sequence[Row]) -> Table:
     note = "R² and NRMSE: force over the complete test. Others: range of the error over the cycles "
     note += "(model / test \N{MINUS SIGN} 1). The peak force is the larger one of the two sides."
     return make_table(pd.DataFrame(rows), caption="Agreement with the tests", keys=2, note=note)
+
+
+def worst_error(record: Row, name: str) -> float:
+    """Return the error of largest magnitude of a measure over the cycles of a test; NaN without."""
+    errors = [float(cycle[name]) for cycle in record["cycles"]]
+    return largest_by(errors, abs) if errors else float("nan")
 
 
 CLOSING = "Small cycles that end a block of a test are counted but not listed."

@@ -325,7 +325,7 @@ class Identification(Result):
                 *(zero.suspicion(name) for name, zero in self._measured_zeros()),
                 *(item.suspicion() for item in self.uncertainty.suspects),
             ],
-            "records": [*map(_record_summary, self.fits, self.checks)],
+            "records": [*map(record_summary, self.fits, self.checks)],
             "poor": self.poor,
             "thermocouples": self.thermocouples,
             "correlation": {
@@ -367,8 +367,8 @@ class Identification(Result):
             without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
 
 
-def _record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
-    """Return the content of summary.json about a test."""
+def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
+    """Return the content of summary.json about a test, compared with the calibrated model."""
     record = fit.record
     return {
         "name": record.name,

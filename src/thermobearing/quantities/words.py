@@ -23,7 +23,7 @@ def joined(items: Iterable[str], last: str = "and") -> str:
 
 def degrees(values: Sequence[float]) -> str:
     """Return temperatures in a sentence, each once: "23 and −20 °C"."""
-    text = joined(dict.fromkeys(f"{round(value, 2):g}" for value in values))
+    text = joined(dict.fromkeys(f"{round(value, 2) + 0.0:g}" for value in values))
     return f"{text} °C".replace("-", MINUS)
 
 
@@ -34,18 +34,18 @@ def first_sentences(text: str, length: int) -> str:
     ends in the middle of a clause does not say what it is about.
 
     >>> first_sentences("The force is off by 3 kN (1 % of the peak); an offset removes it.", 30)
-    'The force is off by 3 kN (1 % of the peak) ...'
+    'The force is off by 3 kN (1 % of the peak).'
     """
     if len(text) <= length:
         return text
-    sentence = text[: length - 4].rpartition(". ")[0]
+    sentence = text[:length].rpartition(". ")[0]
     if sentence:
-        return f"{sentence}. ..."
+        return f"{sentence}."
     for end in re.finditer(r"; |\. ", text):
         clause = text[: end.start()]
         # A semicolon inside a parenthesis ends no clause.
         if clause.count("(") == clause.count(")"):
-            return f"{clause} ..." if text[end.start()] == ";" else f"{clause}. ..."
+            return f"{clause}."
     return text
 
 

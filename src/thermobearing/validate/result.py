@@ -12,8 +12,9 @@ import thermobearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
+from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.result import Identification
+from thermobearing.identify.result import Identification, record_summary
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
@@ -235,6 +236,7 @@ class CrossValidation(Result):
     groups: list[list[TestRecord]]  # the tests held out, by fold
     fitted: Validation  # of the final calibration with its own tests
     held_out: Validation  # of each test held out with the calibration that did not use it
+    checks: list[CheckReport]  # of the tests of `held_out`, in their order
 
     @property
     def headline(self) -> str:
@@ -368,11 +370,14 @@ class CrossValidation(Result):
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json: that of the final fit, and `held_out`."""
+        # With folds, each test is held out once, and is among the records of the final fit.
+        records = [] if self.folds else map(record_summary, self.held_out.comparisons, self.checks)
         held_out = {
             "verdict": self.verdict,
             "outcome": self.outcome,
             "limits": self.held_out.limits,
             "tests": self.table.to_dict("records"),
+            "records": [*records],
             "folds": self.parameters.to_dict("records") if self.folds else [],
             "jackknife_stderr": self.spread,
         }

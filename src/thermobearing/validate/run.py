@@ -25,7 +25,7 @@ from thermobearing.border.units import is_number
 from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.records.checks import NOT_NEEDED, check_test
+from thermobearing.identify.records.checks import NOT_NEEDED, CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, load_test, reached_values
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
@@ -84,7 +84,9 @@ def validate_bearing(
     largest = check_limits(limits)
     chosen_bearings = [as_bearing(item) for item in chosen]
     assumed = _refuse_unusable(tests, chosen_bearings[0])
-    judged = _judge(chosen_bearings, [_as_fitted(record) for record in tests], model_names, largest)
+    judged = _judge(
+        chosen_bearings, [_as_fitted(check_test(record)) for record in tests], model_names, largest
+    )
     return replace(judged, warnings=[*assumed, *judged.warnings])
 
 
@@ -134,9 +136,9 @@ def _judge(
     return Validation(comparisons, dict(limits), warnings, {"bearings": inputs})
 
 
-def _as_fitted(record: TestRecord) -> TestRecord:
+def _as_fitted(report: CheckReport) -> TestRecord:
     """Return a test as a fit uses it: rests thinned, spikes and drift removed on request."""
-    report = check_test(record)
+    record = report.record
     if report.treatment is None:
         return record
     treated, _ = report.treatment.to_fit(report.clipped)
@@ -234,7 +236,9 @@ def cross_validate(
     groups = _groups(tests, folds) if folds else [held_out]
     final, *fits = _fit(case, groups if folds else [], progress)
     # One treated copy of each test: folds and comparisons find their tests by identity.
-    as_fitted = {id(record): _as_fitted(record) for record in [*tests, *held_out]}
+    checks = {id(record): check_test(record) for record in [*tests, *held_out]}
+    as_fitted = {key: _as_fitted(check) for key, check in checks.items()}
+    checks_of_held_out = [checks[id(record)] for group in groups for record in group]
     groups = [[as_fitted[id(record)] for record in group] for group in groups]
     pairs = zip(fits or [final], groups, strict=True)
     judged = [_judge([calibration.bearing], group) for calibration, group in pairs]
@@ -250,6 +254,7 @@ def cross_validate(
         groups=groups,
         fitted=_judge([final.bearing], [as_fitted[id(r)] for r in tests], limits=largest),
         held_out=Validation(items, largest, warnings),
+        checks=checks_of_held_out,
     )
 
 

@@ -29,6 +29,7 @@ from thermobearing.tables.laboratory import Readings, read_laboratory
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
 MOST_SHOWN = 3  # columns in a question
 READ_TO = 1  # decimals of a temperature in K
+MEAN_TO = 2  # decimals of the mean of the column of a chamber [degC]
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
 WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
@@ -327,7 +328,9 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
         )
     drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""
     assumptions += [drift] if drift else []
-    return check_temperature(float(column.mean()), f"{readings.file}: ambient")
+    # No chamber is known to better than a hundredth of a kelvin; zero has no sign.
+    mean = round(float(column.mean()), MEAN_TO) + 0.0
+    return check_temperature(mean, f"{readings.file}: ambient")
 
 
 def _conditioning(readings: Readings, assumptions: list[str]) -> Conditioning | None:
