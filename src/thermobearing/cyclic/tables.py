@@ -14,7 +14,7 @@ from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.report.content import LINE, beyond_mark
 from thermobearing.reported import bearing_check_tables
-from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.metrics import BACKBONE_DEFINITION, CycleMeasures
 from thermobearing.results.ranges import MARKED
 from thermobearing.results.selection import layer_groups, layer_names
 
@@ -222,4 +222,6 @@ def measured_table(
         ends=list(ends),
     )
     strain: list[str | Quantity] = ["cycle", quantity("amplitude_strain", form=".1f")]
-    return make_table(frame, [*strain, *MEASURES, *BACKBONE, "ends"], "")
+    return make_table(
+        frame, [*strain, *MEASURES, *BACKBONE, "ends"], "", note=f"{BACKBONE_DEFINITION}."
+    )

@@ -21,7 +21,7 @@ from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import degrees, joined, number, percent, printed_unit
-from thermobearing.results.loop import FIT_FROM, FIT_TO
+from thermobearing.results.metrics import BACKBONE_DEFINITION
 
 if TYPE_CHECKING:
     from thermobearing.identify.result import Identification
@@ -34,12 +34,7 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
-# Loops of high-damping rubber are curved: other definitions give other numbers, for instance
-# K_d = (F_max - Q_d)/D of a bilinear loop through the same peak.
-DEFINITIONS = (
-    "In test and model alike, Q_d is half the difference of the forces at zero displacement, K_d "
-    f"the slope of the loading branches from {percent(FIT_FROM)} to {percent(FIT_TO)} of the peak."
-)
+DEFINITIONS = f"In test and model alike, {BACKBONE_DEFINITION}."
 HIGH = 0.975  # upper end of a 95 % interval
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
 

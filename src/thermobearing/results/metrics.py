@@ -22,7 +22,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.units import HUGEST
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import TIE, place_of_largest, place_of_least
-from thermobearing.results.loop import measure_loop
+from thermobearing.results.loop import FIT_FROM, FIT_TO, measure_loop
 
 # Smallest reference energy of a balance error. Sums of forces of up to 1e4 kN over
 # millimetres are rounded by less than 1e-8 kN mm; temperatures near 100 degC by 1.4e-14 K a
@@ -32,6 +32,12 @@ LEAST_WARMING = 1e-4  # [K], mean of the bearing: 1 kN mm for one of 240 mm
 LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
 DWELL, SHORTEST_DWELL = 0.02, 5  # points at zero that are a rest: part of all per cycle, and least
 STRAIGHT = 0.05  # of the amplitude: path before a rest used to extrapolate the force
+# Loops of high-damping rubber are curved: other definitions give other numbers, for instance
+# K_d = (F_max - Q_d)/D of a bilinear loop through the same peak.
+BACKBONE_DEFINITION = (
+    "Q_d is half the difference of the forces at zero displacement, K_d the slope of the loading "
+    f"branches from {FIT_FROM:.0%} to {FIT_TO:.0%} of the peak".replace("%", " %")
+)
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
