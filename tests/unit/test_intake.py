@@ -538,3 +538,86 @@ def test_a_template_with_a_wrong_value(
     assert (status, "exists" in said) == (2, True)
     with pytest.raises(tb.InputError, match=r"must end with \.xlsx"):
         write_template(tmp_path / "test.csv")
+
+
+def headed_file(path: Path, lines: list[str], separator: str = ";", column: str = "") -> Path:
+    """Write a test below lines of text, with a decimal comma where the separator is no comma."""
+    t = np.linspace(0.0, 4.0, 401)
+    columns = {"Zeit [s]": t, "Weg [mm]": 10.0 * np.sin(2.0 * np.pi * t)}
+    columns["Kraft [kN]"] = 20.0 * np.sin(2.0 * np.pi * t + 0.3)
+    columns |= {column: np.full(401, -20.0)} if column else {}
+    rows = [separator.join(f"{v:.6g}" for v in row) for row in zip(*columns.values(), strict=True)]
+    text = "\n".join(rows)
+    text = text if separator == "," else text.replace(".", ",")
+    head = [*lines, separator.join(columns)]
+    file = path / "t.csv"
+    file.write_text("\n".join([*head, text]), encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("line", "separator", "ambient"),
+    [
+        ("Raumtemperatur 23,0 °C", ";", 23.0),
+        ("Raumtemperatur 23,5 °C", ",", 23.5),
+        ("# Kammertemperatur: -20 °C", ";", -20.0),
+        ("Room temperature;23,5;degC", ";", 23.5),
+        ("Chamber temperature,-10.5,C", ",", -10.5),
+        ("Chamber: 253.15 K", ";", -20.0),
+        ("Ambient temp. 23 ± 2 °C", ";", 23.0),
+        ("Prüftemperatur: -5", ";", -5.0),
+        ("室温：２３．５℃", ";", 23.5),
+        ("恒温槽温度 -30 度", ";", -30.0),
+        ("試験温度\t0 ℃", "\t", 0.0),
+    ],
+)
+def test_a_temperature_above_the_table_is_read(
+    tmp_path: Path, line: str, separator: str, ambient: float
+) -> None:
+    file = headed_file(tmp_path, ["Protokoll 17", line], separator)
+    (item,) = tb.inspect_files(file).files
+    assert item.record.ambient == ambient
+    (note,) = (f for f in item.report.findings if f.check == "ambient")
+    assert (note.level, "line 2" in note.sentence) == ("note", True)
+    assert not item.record.assumptions
+    assert item.sidecar["ambient"] == f"{ambient:g} degC"
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Kammer Nr. 3", "Raum 23", "Raumtemperatur 20 bis 25 °C", "Date of chamber temp 2026-11-03"],
+)
+def test_a_line_without_one_temperature_of_the_chamber_states_none(
+    tmp_path: Path, line: str
+) -> None:
+    """23 degC is assumed with a warning, and stands in the sidecar as a comment only."""
+    file = headed_file(tmp_path, [line])
+    (item,) = tb.inspect_files(file).files
+    assert (item.record.ambient, item.record.ambient_from) == (23.0, "")
+    assert len(item.record.assumptions) == 1
+    assert "ambient" not in item.sidecar
+    item_text = item._sidecar_text(tmp_path)
+    assert [text for text in item_text.splitlines() if text.startswith("ambient")] == []
+    assert '# ambient = "23 degC"' in item_text
+
+
+def test_temperatures_that_contradict_each_other_are_refused(tmp_path: Path) -> None:
+    lines = ["Raumtemperatur 23 °C", "Kammertemperatur -20 °C"]
+    with pytest.raises(tb.InputError, match=r"line 1.*line 2"):
+        load_test(headed_file(tmp_path, lines))
+    with pytest.raises(tb.InputError, match=r"line 1.*Kanal 7"):
+        load_test(headed_file(tmp_path, lines[:1], column="Kanal 7"))
+    chamber = headed_file(tmp_path, lines[:1], column="Kammer [°C]")
+    assert load_test(chamber).ambient == -20.0  # the column goes first
+
+
+def test_each_thermocouple_has_its_own_example_of_a_place(tmp_path: Path) -> None:
+    t = np.linspace(0.0, 4.0, 401)
+    x, f = 10.0 * np.sin(2.0 * np.pi * t), 20.0 * np.sin(2.0 * np.pi * t + 0.3)
+    rows = np.column_stack([t, x, f, 23.0 + t, 23.0 + 2.0 * t])
+    lines = [",".join(f"{number:.6g}" for number in row) for row in rows]
+    head = "time [s],displacement [mm],force [kN],TE1 [°C],TE2 [°C]"
+    (tmp_path / "t.csv").write_text("\n".join([head, *lines]), encoding="utf-8")
+    (item,) = tb.inspect_files(tmp_path / "t.csv").files
+    places = re.findall(r'^# "TE\d \[°C\]" = "(rubber \d)"', item._sidecar_text(tmp_path), re.M)
+    assert places == ["rubber 1", "rubber 2"]

@@ -15,6 +15,7 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import largest_by
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row, names_by_sentence
+from thermobearing.tables.guess import initial_temperature
 
 LEAST_RISE = 0.5  # [K]: relative errors of smaller temperature rises are not reported
 # Sides of a loop that each error of the table takes into account.
@@ -78,12 +79,13 @@ class Comparison:
             return rows
         for title, test in self.record.temperatures.items():
             model = self.prediction.temperatures[title]
-            rise, modelled = float(test.max() - test[0]), float(model.max() - model[0])
+            begin, begin_model = map(initial_temperature, (test, model))
+            rise, modelled = float(test.max()) - begin, float(model.max()) - begin_model
             rows.append(
                 {
                     "thermocouple": title,
                     "place": self.record.places[title],
-                    "start_test_degC": float(test[0]),
+                    "start_test_degC": begin,
                     "highest_test_degC": float(test.max()),
                     "highest_model_degC": float(model.max()),
                     "rise_test_K": rise,
@@ -105,9 +107,9 @@ class Comparison:
         if self.prediction is None:
             return NAN
         for title, test in self.record.temperatures.items():
-            rise, model = test - test[0], self.prediction.temperatures[title]
+            rise, model = test - initial_temperature(test), self.prediction.temperatures[title]
             if rise.max() > 0.0:
-                errors.append((model - model[0] - rise) / rise.max())
+                errors.append((model - initial_temperature(model) - rise) / rise.max())
         # An empty array first: concatenate refuses an empty list.
         return _worst(np.concatenate([np.zeros(0), *errors]).tolist())
 

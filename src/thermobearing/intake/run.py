@@ -61,16 +61,13 @@ class Intake:
     folder: Path  # that the files named in `sidecar` are seen from
     kept: list[str] = field(default_factory=list)  # keys that came from the sidecar
     ambient: Floats | None = None  # samples of the column [degC], where there is one
+    assumed_ambient: bool = False  # neither the sidecar nor the file states it
 
     def plot(self) -> "Figure":
         """Return the figure: histories with findings, loops, temperatures."""
         from thermobearing.identify.records.figures import draw_record
 
-        return draw_record(self.report, self.ambient, assumed=self._ambient_is_assumed)
-
-    @property
-    def _ambient_is_assumed(self) -> bool:
-        return "ambient" in self.sidecar and "ambient" not in self.kept
+        return draw_record(self.report, self.ambient, assumed=self.assumed_ambient)
 
     def table(self) -> Table:
         """Return the recognised quantity of each column, with a caption about the file."""
@@ -129,7 +126,10 @@ class Intake:
         placeless = [c.title for c in self.columns if c.holds == "temperature" and not c.place]
         if placeless and "thermocouples" not in self.sidecar:
             lines += ["", "# [thermocouples]  # rubber 1 is the outer layer; or lead"]
-        lines += [f"# {tomli_w.dumps({title: 'rubber 1'}).strip()}" for title in placeless]
+        lines += [
+            f"# {tomli_w.dumps({title: f'rubber {layer}'}).strip()}  # an example: state its place"
+            for layer, title in enumerate(placeless, 1)
+        ]
         # TOML escapes what cannot be printed; comments do not.
         marked = [printable(line) if line.startswith("#") else line for line in lines]
         return "\n".join(marked) + "\n"
@@ -145,7 +145,9 @@ class Intake:
                 "bearing" not in self.sidecar
             ),
             "# rest_before: pause before each block": ("blocks" in self.sidecar),
-            "# ambient: not in any column; correct it": self._ambient_is_assumed,
+            f'# ambient = "{self.record.ambient:g} degC"  # assumed; confirm or correct it': (
+                self.assumed_ambient
+            ),
             '# ambient = "... degC"  # or name its column in [columns]': bool(self.record.unclear),
             "# despike = true  # remove the spikes": spikes,
             f'# detrend = "{drifting_quantity}"  # take the drift out': bool(drifting),
@@ -356,7 +358,7 @@ def _inspect_file(path: Path, bearing: Bearing | str | Path | None) -> Intake:
         keys[name] = {**keys.get(name, {}), **sidecar_keys.get(name, {})}
     if "ambient" in sidecar_keys:
         keys["columns"].pop("ambient", None)
-    elif "ambient" not in keys["columns"] and not record.unclear:
+    elif record.ambient_from and not record.unclear:
         keys["ambient"] = f"{record.ambient:g} degC"
     keys |= {key: value for key, value in sidecar_keys.items() if key not in TABLES}
     name, separator = recognised.sheet.name, recognised.sheet.separator
@@ -374,6 +376,12 @@ def _inspect_file(path: Path, bearing: Bearing | str | Path | None) -> Intake:
         folder=readings.file.parent,
         kept=sorted(sidecar_keys),
         ambient=readings.values.get("ambient"),
+        assumed_ambient=not (
+            record.unclear
+            or record.ambient_from
+            or "ambient" in sidecar_keys
+            or "ambient" in readings.values
+        ),
     )
 
 

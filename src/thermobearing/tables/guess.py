@@ -1,14 +1,18 @@
-"""Recognition of the columns of a table from their titles, units and numbers."""
+"""Recognition of the columns of a table from their titles, units and numbers.
+
+The lines above a table may state the temperature of the chamber or the room.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from thermobearing.border.errors import InputError
+from thermobearing.border.errors import InputError, shortened
 from thermobearing.border.opener import read_bytes
 from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
@@ -34,7 +38,7 @@ SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
 ALONG = 0.3  # correlation of a force with the displacement, or more
-FIRST = 5  # samples from which the beginning of a temperature is taken
+FIRST = 5  # samples from which the beginning of a temperature is taken: one has its noise
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # scores: full title, a word in it, unit
 # Evidence for a column without a recognised title.
@@ -49,6 +53,17 @@ KELVIN = (200.0, 330.0)  # numbers that are temperatures in kelvin, of tests and
 FROST = -2.0  # a steady column without name and unit, below this, is taken for a temperature [degC]
 PLAUSIBLE = (-60.0, 50.0)  # ambient temperatures of tests [degC]
 _PLACE = re.compile(r"(?:rubber|layer|gummi|ゴム|層)\s*[_#-]?\s*([1-9]\d?)\b", re.IGNORECASE)
+# A temperature in a line of text, with its tolerance if it has one: "-20 °C", "23 ± 2 °C", "23度".
+_DIGITS = r"\d{1,4}(?:[.,]\d{1,4})?"
+_TOLERANCE = rf"(?:\s{{0,3}}(?:±|\+/?-)\s{{0,3}}{_DIGITS})?"
+_SIGNED = rf"(?<![\w.,-])(?P<value>[-+]?{_DIGITS})"
+_TEMPERATURE = re.compile(
+    rf"{_SIGNED}{_TOLERANCE}\s{{0,3}}(?P<unit>°\s?[CF]|deg\.?\s?[CF]|grad\s?C|[CKF]\b|度)",
+    re.IGNORECASE,
+)
+_NUMBER = re.compile(_DIGITS)
+_BARE = re.compile(rf"{_SIGNED}(?![\w.,:/-])")
+_RANGE = re.compile(r"\d\s{0,3}(?:-|~|to|bis)\s{0,3}$")  # before the second end of a range
 Taken = dict[int, tuple[str, str]]  # quantity and reason by the number of the column
 
 
@@ -138,7 +153,12 @@ def guessed_columns(
     return [_described(column, taken, layout, places) for column in columns]
 
 
-def _initial_temperature(column: _Column) -> tuple[float | None, str]:
+def initial_temperature(values: Floats) -> float:
+    """Return where a temperature begins, as all messages and tables state it [degC]."""
+    return float(np.median(values[:FIRST]))
+
+
+def _describe_beginning(column: _Column) -> tuple[float | None, str]:
     """Return where a temperature begins [degC], and why it may be that of the chamber.
 
     A column counts if its title or its unit is one of temperatures. One without either counts if it
@@ -153,7 +173,7 @@ def _initial_temperature(column: _Column) -> tuple[float | None, str]:
         return None, ""
     scale, offset = conversion(plain_unit(column.unit), "degC") if column.unit else (1.0, 0.0)
     values = scale * column.signal + offset
-    begin, steady = float(np.median(values[:FIRST])), bool(np.ptp(values) <= STEADY)
+    begin, steady = initial_temperature(values), bool(np.ptp(values) <= STEADY)
     words = f"stays at {begin:.4g} degC" if steady else f"begins at {begin:.4g} degC"
     if not (has_temperature_word or column.unit):
         cold = steady and PLAUSIBLE[0] <= begin <= FROST
@@ -185,6 +205,51 @@ def _constant_ambient(columns: list[_Column], taken: Taken, places: Mapping[str,
             candidates.append(column)
     if len(candidates) == 1:
         taken[candidates[0].number] = ("ambient", STEADY_TEMPERATURE)
+
+
+class HeaderTemperature(NamedTuple):
+    """A temperature of the chamber or the room in a line above a table."""
+
+    line: int  # of the file
+    text: str
+    degC: float
+
+
+def header_temperatures(table: Table) -> list[HeaderTemperature]:
+    """Return the temperatures of the chamber or the room in the lines above a table.
+
+    A number without a unit counts where it is the only one of a line with a word for temperature.
+    """
+    sheet, first = table.sheet, table.rows[0][0] if table.rows else 0
+    lines = [*sheet.comments, *((n, sheet.separator.join(cells)) for n, cells in sheet.rows)]
+    temperatures = []
+    for number, line in sorted(lines):
+        if number >= first or not any(holds_word(line, word) for word in ("ambient", "stated")):
+            continue
+        # A comma may be a decimal mark, or stand between the name, the value and its unit.
+        blanked = line.replace(sheet.separator, " ")
+        matches = _find_temperatures(line) or _find_temperatures(blanked)
+        words = shortened(" ".join(blanked.split()))
+        temperatures += [HeaderTemperature(number, words, degrees) for degrees in matches]
+    return temperatures
+
+
+def _find_temperatures(line: str) -> list[float]:
+    """Return the temperatures in a line of text [degC] that are plausible for a test."""
+    text = plain_title(line)
+    matches = list(_TEMPERATURE.finditer(text))
+    if not matches and any(holds_word(text, word) for word in ("temperature", "stated")):
+        matches = list(_BARE.finditer(text)) if len(_NUMBER.findall(text)) == 1 else []
+    temperatures = []
+    for match in matches:
+        unit = match.groupdict().get("unit") or "degC"
+        unit = unit.upper() if len(unit) == 1 else unit  # kelvin, of a title in small letters
+        scale, offset = conversion(plain_unit(unit), "degC")
+        value = scale * float(match["value"].replace(",", ".")) + offset
+        is_end_of_range = _RANGE.search(text[: match.start()])
+        if PLAUSIBLE[0] <= value <= PLAUSIBLE[1] and not is_end_of_range:
+            temperatures.append(round(value, 2))
+    return temperatures
 
 
 def read_air_columns(path: str | Path) -> Columns:
@@ -366,5 +431,5 @@ def _described(
         quantity, reason = "strain", "a word in the title"
     else:
         quantity, reason = "numbers", "not needed for a test"
-    begin, question = (None, "") if quantity in UNITS else _initial_temperature(column)
+    begin, question = (None, "") if quantity in UNITS else _describe_beginning(column)
     return ColumnGuess(column.title, unit, quantity, reason, place, assumed, begin, question)

@@ -29,7 +29,14 @@ from thermobearing.tables.columns import (
     usable_table,
 )
 from thermobearing.tables.conditioning import PLACE, Conditioning, Temperature
-from thermobearing.tables.guess import ACROSS, DOUBTFUL, ColumnGuess, guessed_columns
+from thermobearing.tables.guess import (
+    ACROSS,
+    DOUBTFUL,
+    ColumnGuess,
+    HeaderTemperature,
+    guessed_columns,
+    header_temperatures,
+)
 from thermobearing.tables.text import SEPARATORS, Form, Sheet, read_sheets
 
 ASSUMED_SPEED = 30.0  # mean loading rate of Table 3.4 [mm/s], where a file has no clock
@@ -177,6 +184,7 @@ class Recognised(NamedTuple):
     sheet: Sheet
     same_titles: list[str]
     columns: list[ColumnGuess]
+    temperatures: list[HeaderTemperature]  # of the chamber or the room, above the table
 
 
 @dataclass(frozen=True)
@@ -379,7 +387,9 @@ class _Reader:
                 and candidate_table.titles == table.titles
                 and len(candidate_table.rows) > 1
             }
-            return Recognised(file, sheet, list(same_tables), columns), list(same_tables.values())
+            temperatures = header_temperatures(table)
+            tables = list(same_tables.values())
+            return Recognised(file, sheet, list(same_tables), columns, temperatures), tables
         raise InputError(problems[:5] or ["is empty"])
 
     def _completed(

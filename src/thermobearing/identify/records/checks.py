@@ -49,6 +49,7 @@ from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import loop_energy
 from thermobearing.results.writing import write_summary
 from thermobearing.tables.conditioning import Conditioning
+from thermobearing.tables.guess import initial_temperature
 
 SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
 LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
@@ -227,6 +228,9 @@ def _check_file(record: TestRecord) -> Iterator[Finding]:
         yield refuse("ambient", record.unclear)
     for text in record.assumptions:
         yield warn("assumed", text)
+    if record.ambient_from and not record.unclear:
+        message = f"the ambient temperature, {record.ambient:.4g} degC, was read in "
+        yield note("ambient", message + record.ambient_from)
     if record.unused:
         yield note("columns", f"columns not used: {', '.join(record.unused)}")
     if record.rubber_thickness is not None:
@@ -629,20 +633,21 @@ def check_thermocouples(record: TestRecord) -> Iterator[Finding]:
     for title, values in record.temperatures.items():
         # Before the range of the sensor: 296 K in a column of degC is a wrong unit, no broken
         # sensor. Where the ambient temperature is not known, it is near that of laboratories.
+        begin = initial_temperature(values)
         ambient = ASSUMED_AMBIENT if np.isnan(record.ambient) else record.ambient
-        if abs(values[0] - ZERO_DEGC - ambient) < LIKE_KELVIN and values[0] > LOWEST_KELVIN:
+        if abs(begin - ZERO_DEGC - ambient) < LIKE_KELVIN and begin > LOWEST_KELVIN:
             yield refuse(
                 "thermocouple",
-                f"{title} starts at {values[0]:.4g} degC; in kelvin that would be "
-                f'{values[0] - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
+                f"{title} starts at {begin:.4g} degC; in kelvin that would be "
+                f'{begin - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
             )
         elif values.min() < COLDEST or values.max() > HOTTEST:
             ends = f"{values.min():.3g} to {values.max():.3g} degC"
             message = f"{title} reads {ends}: is the sensor broken?"
             yield warn("thermocouple", message)
-        elif record.conditioning is None and abs(values[0] - record.ambient) > 5.0:
+        elif record.conditioning is None and abs(begin - record.ambient) > 5.0:
             message = (
-                f"{title} starts at {values[0]:.3g} degC, but the chamber is at "
+                f"{title} starts at {begin:.3g} degC, but the chamber is at "
                 f"{record.ambient:.3g} degC: was the specimen there long enough?"
             )
             yield warn("thermocouple", message)

@@ -22,8 +22,10 @@ from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
 from thermobearing.cyclic.conditioning import filled
+from thermobearing.quantities.words import joined
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 from thermobearing.tables.conditioning import Conditioning
+from thermobearing.tables.guess import HeaderTemperature
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
@@ -106,6 +108,7 @@ class TestRecord:
     subtracted : offsets that the sidecar subtracts from the readings of "force" [kN] and
         "displacement" [mm], before the sign is reversed.
     reversed_force : the sign of the readings of the force was reversed.
+    ambient_from : where `ambient` was read, if a line above the table states it.
     """
 
     __test__ = False  # not a test for pytest
@@ -136,6 +139,7 @@ class TestRecord:
     unclear: str = ""
     subtracted: dict[str, float] = field(default_factory=dict)
     reversed_force: bool = False
+    ambient_from: str = ""
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -241,6 +245,7 @@ def build_record(readings: Readings) -> TestRecord:
     thickness = _rubber_thickness(values, assumptions)
     stated_places = readings.given.get("thermocouples", {})
     unclear = _describe_unclear_ambient(readings)
+    header = _header_temperature(readings)
     return TestRecord(
         name=sidecar.name or readings.file.stem,
         file=str(readings.file),
@@ -250,6 +255,7 @@ def build_record(readings: Readings) -> TestRecord:
         block=readings.block,
         ambient=math.nan if unclear else _ambient(readings, assumptions),
         unclear=unclear,
+        ambient_from=f'line {header.line} of the file, "{header.text}"' if header else "",
         conditioning=_conditioning(readings, assumptions),
         temperatures={title: values[title] for title in sidecar.thermocouples},
         places=dict(sidecar.thermocouples),
@@ -285,27 +291,44 @@ def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> floa
     return abs(100.0 * slope)
 
 
+def _header_temperature(readings: Readings) -> HeaderTemperature | None:
+    """Return the ambient temperature that a line above the table states, if nothing else does."""
+    if readings.sidecar.ambient is not None or "ambient" in readings.values:
+        return None
+    return next(iter(readings.recognised.temperatures), None)
+
+
 def _describe_unclear_ambient(readings: Readings) -> str:
     """Return why the ambient temperature cannot be assumed; "" if it is stated, or nothing is.
 
-    A column that begins at another temperature than the assumed one contradicts it: it is that of
-    the chamber, or of a specimen that was in one.
+    A column that begins at another temperature than the one that a line above the table states,
+    or than the assumed one, contradicts it: it is that of the chamber, or of a specimen that was in
+    one.
     """
     columns = readings.recognised.columns
     if readings.sidecar.ambient is not None or any(c.holds == "ambient" for c in columns):
         return ""
+    stated = readings.recognised.temperatures
+    texts = [f'"{item.text}" (line {item.line})' for item in stated]
+    if len({item.degC for item in stated}) > 1:
+        return (
+            f"the lines above the table state several temperatures: {joined(texts)}. State which "
+            'is that of the chamber: ambient = "... degC" in the sidecar'
+        )
+    ambient = stated[0].degC if stated else ASSUMED_AMBIENT
     colder = [
         column
         for column in columns
-        if column.begins is not None and abs(column.begins - ASSUMED_AMBIENT) > CLOSE
+        if column.begins is not None and abs(column.begins - ambient) > CLOSE
     ]
     if not colder:
         return ""
     column_texts = " and ".join(
         f'"{column.title}" {column.question}' for column in colder[:MOST_SHOWN]
     )
+    statement = f"{texts[0]} is stated" if stated else "no ambient temperature is stated"
     return (
-        f"no ambient temperature is stated, but column {column_texts}: is that the temperature of "
+        f"{statement}, but column {column_texts}: is that the temperature of "
         f'the chamber? Set ambient = "{colder[0].title}" in [columns] of the sidecar, or state '
         'ambient = "... degC" there'
     )
@@ -315,6 +338,8 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
     """Return the chamber temperature [degC]: given, or the mean of a column, or assumed."""
     if readings.sidecar.ambient is not None:
         return readings.sidecar.ambient
+    if header := _header_temperature(readings):
+        return header.degC
     column = readings.values.get("ambient")
     if column is None:
         message = f"no ambient temperature is stated; {ASSUMED_AMBIENT:g} degC is assumed"
