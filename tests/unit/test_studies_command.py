@@ -82,6 +82,19 @@ def test_a_dry_run_writes_nothing(done: Path) -> None:
     assert sorted(done.iterdir()) == before
 
 
+def test_a_dry_run_says_why_trial_runs_failed(tmp_path: Path) -> None:
+    """A motion of 60 times its size leaves what the model can follow."""
+    table = FILE.replace("[0.5, 1.0]", "[0.5, 60.0]").replace("2 s", "6 s")
+    (tmp_path / "large.toml").write_text(table)
+    study = ["study", str(tmp_path / "large.toml"), "--dry-run", "--jobs", "1"]
+    failures: Any = last(study)["failures"]
+    shown = CliRunner().invoke(app, study).stdout
+    assert failures
+    for failure in failures:
+        assert failure["outcome"] != "completed"
+        assert f"{failure['outcome']}: {failure['sentence']}" in " ".join(shown.split())
+
+
 def test_a_study_notes_that_one_component_of_a_pair_acts(tmp_path: Path) -> None:
     """The note of `bridge`, before and after the runs; a study of records has none."""
     pair = '{ name = "jra-ii-i-1", across = "jra-ii-i-2" }'

@@ -298,6 +298,8 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
         if not estimate.motions:
             del facts["motions"]
         print_facts(f"{study.name}: nothing is written", facts)
+        for failure in estimate.failures.to_dict("records"):
+            say(f"{failure['outcome']}: {failure['sentence']}")
         for note in study.pair_notes:
             say(note)
     return {
@@ -308,6 +310,7 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
         "seconds_a_run": estimate.seconds,
         "motions_to_make": estimate.motions,
         "seconds_a_motion": estimate.motion_seconds,
+        "failures": estimate.failures.to_dict("records"),
         "jobs": estimate.jobs,
         "seconds": estimate.whole_seconds,
         "bytes": estimate.size,

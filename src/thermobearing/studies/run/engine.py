@@ -209,10 +209,15 @@ class Forecast:
     seconds: float  # of one run in one process
     jobs: int  # number of processes
     size: float  # on the disk, at most [bytes]
-    failed: int  # number of the timed runs that failed
+    failures: "pd.DataFrame"  # of the timed runs, as of a status: outcome, runs, sentence
     tried: int  # number of timed runs
     motions: int  # to be matched to a spectrum first
     motion_seconds: float  # of one of them in one process
+
+    @property
+    def failed(self) -> int:
+        """Number of the timed runs that failed."""
+        return int(self.failures["runs"].sum())
 
     @property
     def whole_seconds(self) -> float:
@@ -247,7 +252,7 @@ def forecast(study: Study, jobs: int | None = None) -> Forecast:
         seconds=seconds,
         jobs=jobs or os.cpu_count() or 1,
         size=float(len(runs) * columns * NUMBER + histories),
-        failed=int((shard.table["outcome"] != COMPLETED).sum()),
+        failures=count_failures(shard.table),
         tried=len(sample),
         motions=motions,
         motion_seconds=motion_seconds,
