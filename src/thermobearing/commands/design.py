@@ -33,8 +33,7 @@ if TYPE_CHECKING:
     fields(
         "design.case:DesignCase",
         "start compound compound_kind weight ambient peaks tolerance",
-        compound="|Rubber: G8 (default), G10 or G12.",
-        compound_kind="--compound-kind --kind|Kind of the rubber: HDR (default) or HDR-S.",
+        compound_kind="--compound-kind --kind",
     ),
     examples="design --motion jra-ii-i-1 --compound G10 -o design",
     panel=OFFICE,

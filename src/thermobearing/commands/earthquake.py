@@ -202,7 +202,6 @@ _add(
         "design.provisions:check_bearings",
         "codes rotation zone",
         "Checks",
-        codes="|Check the bearings according to a code: jra or aashto.",
     ),
     fields(
         "earthquake.case:EarthquakeCase",
@@ -374,8 +373,6 @@ def _list() -> Answer:
     fields(
         "structure.result:examine_structure",
         "mass damping",
-        mass="|Mass matrix: consistent (default) or published.",
-        damping="|Damping: modal, rayleigh, element, none or source; by default the structure's.",
     ),
     examples="structures show pier-p1 -o pier",
 )

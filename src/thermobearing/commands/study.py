@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 DIRECTORY = Annotated[Path, typer.Argument(help="Directory of the study.", metavar="DIR")]
 HELP = "Run and evaluate parameter studies: `study STUDY.toml -o DIR` runs or resumes one."
 RUN = "run"
-DEMAND = "|Demand parameter, a column of the table; pier ductility by default."
 WHERE, HOW = "Study", "Execution"
 
 
@@ -188,12 +187,6 @@ def _export(
     fields(
         "studies.result:Question",
         "demand capacity hazard weather method failed",
-        demand=DEMAND,
-        capacity="|Capacity in the unit of the demand; required for fragility.",
-        hazard="|File with the hazard curve of the site.",
-        weather="|Hourly weather of the site: a file or a climate.",
-        method="|Method of the fragility: stripes (default), ida or cloud.",
-        failed="|Failed runs: left-out (default), or collapse to count them as collapses.",
     ),
     examples="study figures p1 --hazard site.csv --capacity 4 --figure-width single-column",
 )
@@ -225,7 +218,7 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
 @command(
     studies,
     "worst",
-    fields("studies.result:Question", "demand", demand=DEMAND),
+    fields("studies.result:Question", "demand"),
     examples="study worst p1",
 )
 def _worst(

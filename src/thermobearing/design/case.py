@@ -36,7 +36,8 @@ class DesignCase(Strict):
     Attributes
     ----------
     structure, motions : the bridge, and the earthquakes it is designed for.
-    compound, compound_kind : rubber, and which of its curves: "HDR" or "HDR-S".
+    compound : compound of the rubber, "G8", "G10" or "G12".
+    compound_kind : kind of the rubber, which chooses its curves: "HDR" or "HDR-S".
     start : first displacement u_B [mm], in [1, 2000].
     weight : vertical load on one bearing [kN], in [0.1, 1e6]; by default an equal part of the
         weight that the lines carry.

@@ -289,7 +289,8 @@ def check_bearings(
     ----------
     result : of `bridge`, with an `axial_force`, without which the checks of compression and
         buckling have no demand.
-    codes : of "jra", JRA V (2017), and "aashto", AASHTO GSID (2014); may be empty with `limits`.
+    codes : codes to check the bearings after: "jra", JRA V (2017), and "aashto", AASHTO GSID
+        (2014); may be empty with `limits`.
     rotation : design rotation of the bearings [rad], in [0, 0.2].
     zone : seismic zone of AASHTO, a number from 1 to 4.
     limits : limits that an office has confirmed: a file (`thermobearing limits new` writes one) or

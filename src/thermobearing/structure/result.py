@@ -252,9 +252,9 @@ def examine_structure(
     fixed : bool
         Leave out the springs of the foundation.
     mass : str
-        "consistent" (default) or "published".
+        Mass matrix, "consistent" (default) or "published".
     damping : str, optional
-        Another kind than the structure's.
+        Kind of damping; that of the structure by default.
 
     Raises
     ------

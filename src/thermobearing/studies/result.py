@@ -117,12 +117,13 @@ class Question(Strict):
 
     Attributes
     ----------
-    demand : column; ductility of the pier by default, or the first demand that exists.
-    capacity : of the demand, in the unit of its column; None: no fragility and no rates.
-    method : of fragility: "stripes", "ida" or "cloud".
+    demand : demand parameter, a column of the table; by default pier ductility, or the first
+        demand that exists.
+    capacity : capacity in the unit of the demand; without it there is no fragility and no rate.
+    method : method of the fragility: "stripes", "ida" or "cloud".
     failed : failed runs are "left-out", or count as "collapse".
-    hazard : hazard curve; a file may name another file, see `load_hazard`. None: no rates.
-    weather : hourly file of the site, or the name of a climate: the share of the time of each
+    hazard : hazard curve of the site, or its file; without it there are no rates.
+    weather : hourly weather of the site, a file or a climate: the share of the time of each
         rubber temperature, for studies whose temperatures are levels.
     """
 
