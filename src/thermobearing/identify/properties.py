@@ -34,7 +34,7 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
-DEFINITIONS = f"In test and model alike, {BACKBONE_DEFINITION}."
+DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
 HIGH = 0.975  # upper end of a 95 % interval
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
 

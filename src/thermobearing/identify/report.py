@@ -83,7 +83,8 @@ def _treatment_table(records: Sequence[Row]) -> Table:
     rows = []
     for record in records:
         treatment = record.get("treatment") or {}
-        drift = [f"{name} {value:.3g}" for name, value in treatment.get("drift", {}).items()]
+        drift = [f"{name} {size}" for name, size in _drift_sizes(treatment).items()]
+        steps = [*_subtracted(treatment), *_reversed(treatment)]
         rows.append(
             {
                 "test": record["name"],
@@ -93,12 +94,17 @@ def _treatment_table(records: Sequence[Row]) -> Table:
                 "samples_at_rest": treatment.get("samples_at_rest"),
                 "spikes_found": sum(treatment["spikes"].values()) if treatment else None,
                 "spikes_removed": "yes" if treatment.get("spikes_removed") else "no",
-                "drift_of_zero": ", ".join(drift) or f"less than {DRIFT:.0%} of the peak",
+                "drift_of_zero": ", ".join(drift) or "none",
                 "drift_removed": ", ".join(treatment.get("drift_removed", [])) or "nothing",
+                "offset_and_sign": ", ".join(steps) or "nothing",
                 "columns_not_used": ", ".join(record.get("unused_columns", [])),
             }
         )
-    note = "Rests are held at constant displacement; spikes and drift are removed on request."
+    note = (
+        "Rests are held at constant displacement; spikes and drift are removed on request. A drift "
+        f"is stated where it is certain and exceeds {percent(DRIFT)} of the peak of the smallest "
+        "cycles."
+    )
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
 
@@ -116,22 +122,38 @@ def describe_treatments(records: Sequence[Row]) -> list[str]:
 
 def _treatment_steps(treatment: Row) -> list[str]:
     """Return the steps of the treatment of a record, in the words of a sentence."""
-    steps = []
-    for key, offset in treatment.get("subtracted", {}).items():
-        name, _, unit = key.rpartition("_")
-        steps.append(f"{number(offset, '.3g')} {unit} subtracted from the {name}")
-    if treatment.get("force_reversed"):
-        steps.append("the sign of the force reversed")
+    steps = [*_subtracted(treatment), *_reversed(treatment)]
     if treatment.get("spikes_removed"):
         for name, count in treatment["spikes"].items():
             steps += [f"{counted(count, 'spike')} of the {name} removed"] if count else []
-    errors = treatment.get("drift_error", {})
+    for name, size in _drift_sizes(treatment).items():
+        if name in treatment["drift_removed"]:
+            steps.append(f"a drift of the {name} of {size} removed")
+    return steps
+
+
+def _subtracted(treatment: Row) -> list[str]:
+    """Return the offsets that were subtracted from the readings of a record."""
+    offsets = []
+    for key, offset in treatment.get("subtracted", {}).items():
+        name, _, unit = key.rpartition("_")
+        offsets.append(f"{number(offset, '.3g')} {unit} subtracted from the {name}")
+    return offsets
+
+
+def _reversed(treatment: Row) -> list[str]:
+    """Return whether the sign of the force was reversed, in words."""
+    return ["the sign of the force reversed"] if treatment.get("force_reversed") else []
+
+
+def _drift_sizes(treatment: Row) -> dict[str, str]:
+    """Return the drift of each signal that has one, with its 95 % interval where that is known."""
+    sizes, errors = {}, treatment.get("drift_error", {})
     for key, drift in treatment.get("drift", {}).items():
         name, _, unit = key.rpartition("_")
-        if name in treatment["drift_removed"]:
-            size = f"{number(drift, '.3g')} \N{PLUS-MINUS SIGN} {number(errors.get(key), '.2g')}"
-            steps.append(f"a drift of the {name} of {size} {unit} removed")
-    return steps
+        error = f" \N{PLUS-MINUS SIGN} {number(errors[key], '.2g')}" if key in errors else ""
+        sizes[name] = f"{number(drift, '.3g')}{error} {unit}"
+    return sizes
 
 
 def _findings_table(records: Sequence[Row]) -> Table:
@@ -342,6 +364,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
     named = {**bearing, "name": summary["bearing"]}
     predicted = (summary.get("posterior") or {}).get("warnings", [])
     tests = [str(record["name"]) for record in summary["records"]]
+    held_out = (summary.get("held_out") or {}).get("records", [])
+    listed = [*summary["records"], *(r | {"name": f"{r['name']} (held out)"} for r in held_out)]
     checks = _report_checks(summary)
     return content.build_pieces(
         "identify",
@@ -353,8 +377,8 @@ def build_pieces(saved: SavedResult) -> Pieces:
         checks=checks,
         judged=False,
         inputs={
-            "tests": tests_table(summary["records"]),
-            "treatment": _treatment_table(summary["records"]),
+            "tests": tests_table(listed),
+            "treatment": _treatment_table(listed),
             **bearing_tables(bearing, sources),
         },
         tables=_report_tables(saved),

@@ -18,8 +18,9 @@ from thermobearing.border.errors import InputError, OutputError, printable
 from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.core.records import Floats
-from thermobearing.identify.records.checks import CheckReport, check_test
+from thermobearing.identify.records.checks import CheckReport, check_test, reading_at_zero
 from thermobearing.identify.records.record import TestRecord, build_record
+from thermobearing.identify.records.treatment import UNITS
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
@@ -140,6 +141,11 @@ class Intake:
         spikes = treatment is not None and any(s.any() for s in treatment.spikes.values())
         drifting = list(treatment.drifts) if treatment is not None else []
         drifting_quantity = drifting[0] if len(drifting) == 1 else "both"
+        offsets = {
+            f'# {offset.name}_offset = "{reading_at_zero(self.record, offset.name, offset.size)} '
+            f'{UNITS[offset.name]}"  # take the offset out': offset.warned
+            for offset in self.report.offsets
+        }
         suggestions = {
             '# bearing = "..."  # geometry and materials: a name, or a file in this folder': (
                 "bearing" not in self.sidecar
@@ -151,6 +157,7 @@ class Intake:
             '# ambient = "... degC"  # or name its column in [columns]': bool(self.record.unclear),
             "# despike = true  # remove the spikes": spikes,
             f'# detrend = "{drifting_quantity}"  # take the drift out': bool(drifting),
+            **offsets,
         }
         return [line for line, applies in suggestions.items() if applies]
 

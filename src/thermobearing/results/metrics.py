@@ -35,8 +35,8 @@ STRAIGHT = 0.05  # of the amplitude: path before a rest used to extrapolate the 
 # Loops of high-damping rubber are curved: other definitions give other numbers, for instance
 # K_d = (F_max - Q_d)/D of a bilinear loop through the same peak.
 BACKBONE_DEFINITION = (
-    "Q_d is half the difference of the forces at zero displacement, K_d the slope of the loading "
-    f"branches from {FIT_FROM:.0%} to {FIT_TO:.0%} of the peak".replace("%", " %")
+    "Q_d is half the difference of the forces at zero displacement, K_d the slope of loading "
+    f"branches from {100.0 * FIT_FROM:.0f} to {100.0 * FIT_TO:.0f} % of the peak"
 )
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 

@@ -454,7 +454,7 @@ def _check_zero(record: TestRecord, offsets: Sequence[Offset]) -> Iterator[Findi
             share = percent(size / offset.smallest_peak, 1)
             near_zero.append(f"{offset.text} in the {name} ({share})")
             continue
-        reading = _reading_at_zero(record, name, offset.size)
+        reading = reading_at_zero(record, name, offset.size)
         message = (
             f"the zero of the {name} is off by {offset.text} ({percent(size / offset.peak, 1)} of "
             f"the peak, {percent(size / offset.smallest_peak, 1)} of that of the smallest "
@@ -469,7 +469,7 @@ def _check_zero(record: TestRecord, offsets: Sequence[Offset]) -> Iterator[Findi
         yield note("zero", message)
 
 
-def _reading_at_zero(record: TestRecord, name: str, offset: float) -> str:
+def reading_at_zero(record: TestRecord, name: str, offset: float) -> str:
     """Return what the instrument reads at zero: the offset that belongs in the sidecar.
 
     The sidecar subtracts it from the readings before it reverses their sign, and may have
