@@ -227,14 +227,16 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     signs = np.where(rows["least"], "\N{GREATER-THAN OR EQUAL TO}", "\N{LESS-THAN OR EQUAL TO}")
     pairs = zip(signs, rows["limit"], strict=True)
     frame = rows.assign(
-        limit=[f"{sign} {limit:g}" if limit == limit else "" for sign, limit in pairs],
-        unit=rows["unit"].replace("1", ""),
+        what=rows["what"].map(plain),
+        limit=[f"{sign} {limit:.4g}" if limit == limit else "" for sign, limit in pairs],
+        unit=[printed_unit(unit)[0] if unit != "1" else "" for unit in rows["unit"]],
         source=rows["source"].map(plain) + np.where(rows["unverified"], "*", ""),
     )
     if "run" in frame:
         frame["run"] = frame["run"].map(plain)
-    heads = {"what": "Check", "part": "Of", "value": "Value", "limit": "Limit", "unit": "Unit"}
-    heads |= {"verdict": "Verdict", "source": "Source of the limit", "run": "At"}
+    # The verdict is last: that column stays in sight where a table is broader than the screen.
+    heads = {"what": "Check", "part": "Of", "run": "At", "value": "Value", "limit": "Limit"}
+    heads |= {"unit": "Unit", "source": "Source of the limit", "verdict": "Verdict"}
     columns = [Quantity(head, name=name) for name, head in heads.items()]
     marked = {"verdict": frame["verdict"].isin([checks.FAILED, checks.NOT_MODELLED]).tolist()}
     keys = 1 + ("part" in frame)

@@ -70,6 +70,17 @@ def test_an_assumed_initial_stiffness_is_stated_beside_the_number(pier: Earthqua
     assert "(assumed)" not in link_text(bilinear)
 
 
+def test_links_name_the_motion_of_the_design_displacement(pier: EarthquakeResult) -> None:
+    lines = line_properties(pier)
+    runs = pier.table.set_index(["bearing", "ambient_degC", "motion"])["bearing_strain_max"]
+    runs = runs.sort_index()
+    text = link_text(lines)
+    for row in lines.to_dict("records"):
+        governing = runs[row["bearing"], row["ambient_degC"]].idxmax()
+        assert governing in row["design_displacement_of"]
+        assert f"m ({row['design_displacement_of']})" in text
+
+
 def test_links_state_cycle_and_rubber(pier: EarthquakeResult) -> None:
     """A bearing of tested rubber has the third cycle at all temperatures; a bilinear one none."""
     lines = line_properties(pier)

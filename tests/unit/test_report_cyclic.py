@@ -11,10 +11,12 @@ from tests.unit.report_words import as_data, assert_well_formed, numbers_in
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.cyclic.report import build_pieces
 from thermobearing.cyclic.result import Result
+from thermobearing.report import content
 from thermobearing.report.content import value_and_unit
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
 from thermobearing.report.template import _arranged
 from thermobearing.reported import model_assumptions
+from thermobearing.results.ranges import NOT_GIVEN
 
 
 def short_test(strain: list[float], cycles: int = 2) -> tb.CyclicTest:
@@ -94,6 +96,30 @@ def test_validity_within_the_tests_and_without_a_range() -> None:
     unknown = build_pieces(tb.run(bearing, short_test([3.0]), ambient=0))
     assert not unknown.validity
     assert unknown.validity_unknown
+
+
+def test_a_range_that_is_not_stated_is_neither_inside_nor_outside() -> None:
+    """Of two bearings, one without a range: only what is known to lie outside is counted."""
+    unstated = f"pier: {NOT_GIVEN}; state it; abutment: {NOT_GIVEN}; state it"
+    outside = "bearing: strain 300 %, above the 250 % tested (in all runs)"
+    for warnings, beyond in (([unstated], 0), ([unstated, outside], 1)):
+        pieces = content.build_pieces("cyclic", "", "", [], identity={}, warnings=warnings)
+        assert len(pieces.validity) == beyond
+        verdict = pieces.answer[-1]
+        assert "pier and abutment" in verdict
+        assert "unknown" in verdict
+        assert (content.OUTSIDE in verdict) == bool(beyond)
+        assert content.INSIDE not in verdict
+        warned = [text for text in map(str, _arranged(pieces)) if "kind='warning'" in text]
+        assert any(NOT_GIVEN in text for text in warned)
+
+
+def test_a_table_of_inputs_without_sources_has_no_column_for_them() -> None:
+    heads = [
+        [column.head for column in content.input_table("Inputs", {"count": 5}, sources).columns]
+        for sources in ({}, {"count": "drawing 7"})
+    ]
+    assert heads == [["What", "Value", "Unit"], ["What", "Value", "Unit", "Source"]]
 
 
 def test_inputs_have_units_and_sources(pieces: Pieces) -> None:

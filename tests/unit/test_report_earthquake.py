@@ -27,6 +27,7 @@ from thermobearing.motions.targets import load_spectrum
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces, calibration_table
 from thermobearing.report.template import _arranged
+from thermobearing.results import drawing
 from thermobearing.results.ranges import runs_of
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.model import fixed_base, load_structure
@@ -171,13 +172,13 @@ def test_lines_with_other_bearings_are_named(plan_of_two: EarthquakeResult) -> N
     assert "10 bearings shen-hdr-bridge" in pieces.question
     assert "20 bearings shen-lhdr-bridge" in pieces.question
     assert plan_of_two.bearing_labels == {
-        "shen-lhdr-bridge": "shen-lhdr-bridge; A1 and A2: shen-hdr-bridge"
+        "shen-lhdr-bridge": "shen-hdr-bridge on A1 and A2, shen-lhdr-bridge on the other lines"
     }
-    assert "A1 and A2: shen-hdr-bridge" in pieces.tables["piers"].caption
+    assert "shen-hdr-bridge on A1 and A2" in pieces.tables["piers"].caption
     shown = [table.caption for table in console_tables(plan_of_two)]
     named = [caption for caption in shown if "shen-lhdr-bridge" in caption]
     assert named
-    assert all(caption.count("A1 and A2: shen-hdr-bridge") == 1 for caption in named)
+    assert all(caption.count("shen-hdr-bridge on A1 and A2") == 1 for caption in named)
     parts = {row[0]: row[2] for row in pieces.tables["governing"].rows}
     assert parts["Bearing strain [%]"] == f"{governing['line']} ({governing['line_bearing']})"
     assert "(" not in parts["Pier displacement [mm]"]
@@ -203,7 +204,7 @@ def test_the_calibration_range_is_that_of_the_bearing_of_each_line(
     ((row, column),) = peaks.marked
     assert row == 0
     assert peaks.columns[column].name.removeprefix("bearing_").startswith(marked)
-    assert "A1 and A2: shen-hdr-bridge" in str(structure_balance(result))
+    assert "shen-hdr-bridge on A1 and A2" in str(structure_balance(result))
 
 
 def test_shaded_ranges_are_those_of_the_line_that_is_shown(plan_of_two: EarthquakeResult) -> None:
@@ -261,17 +262,21 @@ def test_a_report_states_what_motions_were_made_to_fit(tmp_path: Path) -> None:
     file = save_motion(made, tmp_path / "made.csv")
     motions = [{"name": str(file), "factor": 0.5}, "jra-ii-i-2"]
     result = tb.bridge("shen-bilinear-bridge", motions, 23, duration=5)
-    assert list(motion_targets(result.dataset)) == ["made"]
-    spectrum = motion_targets(result.dataset)["made"].spectrum
+    # The name of a motion states its factor, in all tables and figures.
+    assert list(motion_targets(result.dataset)) == ["made-x0.5"]
+    spectrum = motion_targets(result.dataset)["made-x0.5"].spectrum
     assert spectrum.ground_acceleration == pytest.approx(0.5 * target.ground_acceleration)
     pieces = build_pieces(result)
     table = pieces.inputs["motions"]
     assert ["seed 1 of 9" in row[-1] for row in table.rows] == [True, False]
     peak = float(np.nanmax(np.abs(result["ground_acceleration"].values[0]))) * 1e3
-    assert f"{peak / spectrum.ground_acceleration:.2f} times (made)" in table.note
+    assert f"{peak / spectrum.ground_acceleration:.2f} times (made-x0.5)" in table.note
     lines = result.plot.motion_spectra().axes[0].lines
-    assert [line.get_label() for line in lines] == ["made", target.words.removeprefix("the ")]
-    periods, values = lines[1].get_data()
+    # All motions are drawn, also the one that was not made to fit a spectrum.
+    words = target.words.removeprefix("the ")
+    assert [line.get_label() for line in lines] == ["jra-ii-i-2", "made-x0.5", words]
+    assert lines[0].get_color() == drawing.GREY != lines[1].get_color()
+    periods, values = lines[2].get_data()
     assert_allclose(values, 0.5 * target.at(periods) / 1e3)
     assert "motion_spectra" in pieces.figures
     # What is loaded again says the same.

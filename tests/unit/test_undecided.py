@@ -14,6 +14,7 @@ from thermobearing.bearing.scaling import acting_rate, build_bearing, extract_co
 from thermobearing.bearing.undecided import (
     RATE,
     SMALL_LOOPS,
+    UNDECIDED_OF,
     alternatives,
     band,
     band_text,
@@ -130,6 +131,19 @@ def test_bands_of_an_analysis(tmp_path: Path) -> None:
     assert "bands" in again.tables()
     assert [text for text in again.notes() if "rate: " in text and "small loops: " in text]
     assert (tmp_path / "out" / "bands.csv").is_file()
+
+
+def test_bands_name_the_bearings_that_are_not_decided() -> None:
+    """The bearing of the analysis is decided; those of two lines are not."""
+    lines = [{"line": name, "bearing": HDR.name} for name in ("A1", "A2")]
+    settings: dict[str, Any] = {"structure": "five-span-girder", "lines": lines, "bands": True}
+    result = tb.bridge("lrb-example", "jra-ii-i-1", 23, **settings, **SHORT)
+    assert set(result.bands["bearing"]) == {"lrb-example"}
+    assert set(result.bands[UNDECIDED_OF]) == {HDR.name}
+    (sentence,) = (text for text in result.notes() if text.startswith("not decided"))
+    assert HDR.name in sentence
+    assert "lrb-example" not in sentence
+    assert HDR.name in str(result.tables()["bands"].caption)
 
 
 def test_bands_without_small_loops_in_a_plane() -> None:

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.model import Bearing, SmallLoops
+from thermobearing.quantities.words import joined
 
 RATE, SMALL_LOOPS = "rate", "small loops"
+UNDECIDED_OF = "undecided_of"  # column of bands: the bearings of which something is not decided
 OTHER: dict[SmallLoops, SmallLoops] = {"published": "closed", "closed": "published"}
 
 
@@ -45,6 +47,18 @@ def alternatives(
     return by_name
 
 
+def undecided_of(
+    devices: Iterable[object], small_loops: SmallLoops | None = None
+) -> dict[str, str]:
+    """Return the names of the bearings that have alternatives, by what is not decided of them."""
+    names: dict[str, dict[str, None]] = {}
+    for device in devices:
+        if isinstance(device, Bearing):
+            for undecided, _ in alternatives(device, small_loops):
+                names.setdefault(undecided, {})[device.name] = None
+    return {undecided: joined(bearings) for undecided, bearings in names.items()}
+
+
 def band(changes: Iterable[float]) -> tuple[float, float]:
     """Return the lowest and highest of relative changes and of none, without unknown ones.
 
@@ -70,16 +84,19 @@ def band_text(low: float, high: float) -> str:
 def band_sentences(rows: Iterable[Mapping[Any, Any]], names: Mapping[str, str]) -> list[str]:
     """Return a sentence for each bearing: the bands of what is not decided, by quantity.
 
-    `rows` have `bearing`, `undecided`, `quantity`, `lowest` and `highest`; `names` the words of
-    quantities.
+    `rows` have `bearing`, `undecided`, `undecided_of`, `quantity`, `lowest` and `highest`; `names`
+    the words of quantities. A sentence names the bearings of which something is not decided, which
+    are not that of the analysis where lines have their own.
     """
-    ends: dict[str, dict[str, dict[str, list[float]]]] = {}
+    ends: dict[tuple[str, str], dict[str, dict[str, list[float]]]] = {}
     for row in rows:
-        of_bearing = ends.setdefault(str(row["bearing"]), {}).setdefault(str(row["undecided"]), {})
+        # A result of an earlier version has the bearing of the analysis only.
+        key = str(row["bearing"]), str(row.get(UNDECIDED_OF) or row["bearing"])
+        of_bearing = ends.setdefault(key, {}).setdefault(str(row["undecided"]), {})
         changes = of_bearing.setdefault(str(row["quantity"]), [])
         changes += [float(row["lowest"]), float(row["highest"])]
     sentences = []
-    for bearing, undecided in ends.items():
+    for (_, bearings), undecided in ends.items():
         texts = [
             f"{cause}: "
             + ", ".join(
@@ -89,5 +106,5 @@ def band_sentences(rows: Iterable[Mapping[Any, Any]], names: Mapping[str, str]) 
             )
             for cause, quantities in undecided.items()
         ]
-        sentences.append(f"not decided by tests, {bearing}: {'; '.join(texts)}")
+        sentences.append(f"not decided by tests, {bearings}: {'; '.join(texts)}")
     return sentences

@@ -65,7 +65,6 @@ def build_pieces(result: Result) -> Pieces:
     tables |= {"cold": table} if (table := ratio_table(result)) else {}
     if len(rises := warming(result)):
         tables["warming"] = make_table(rises, caption="Warming during the test", keys=2)
-    range_given = case["bearing"].get("tested_range") is not None
     return content.build_pieces(
         "cyclic",
         f"Cyclic test of {data.attrs['bearing']}",
@@ -82,7 +81,7 @@ def build_pieces(result: Result) -> Pieces:
             *_start(case),
             *model_assumptions(case["analysis"], [case["bearing"]], plane=result.in_plane),
         ],
-        **content.result_parts(result, str(data.attrs["case"]), "cyclic", range_given=range_given),
+        **content.result_parts(result, str(data.attrs["case"]), "cyclic"),
     )
 
 

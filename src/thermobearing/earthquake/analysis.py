@@ -10,7 +10,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.state import RubberState, opposite, scragging_of
-from thermobearing.bearing.undecided import SMALL_LOOPS, alternatives
+from thermobearing.bearing.undecided import SMALL_LOOPS, UNDECIDED_OF, alternatives, undecided_of
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd, xr
@@ -370,6 +370,8 @@ def with_bands(
     layered = [bearing for bearing in devices if isinstance(bearing, Bearing)]
     pairs = dict.fromkeys(key for bearing in layered for key in alternatives(bearing, law))
     rows: list[dict[str, Any]] = []
+    on_lines = [line.bearing for line in case.lines if line.bearing is not None]
+    concerned = {bearing.name: undecided_of([bearing, *on_lines], law) for bearing in case.bearings}
     for undecided, alternative in pairs:
 
         def _changed(device: Any, key: tuple[str, str] = (undecided, alternative)) -> Any:
@@ -396,7 +398,12 @@ def with_bands(
         if not changed_case.bearings or changed_case.faults():
             continue
         changed_result = run_earthquake(changed_case, executor=executor, progress=progress)
-        rows += changes_by_run(result, changed_result, undecided)
+        changes = changes_by_run(result, changed_result, undecided)
+        rows += [
+            row | {UNDECIDED_OF: concerned[row["bearing"]][undecided]}
+            for row in changes
+            if undecided in concerned[row["bearing"]]
+        ]
     bands = as_attribute(bands_frame(rows).to_dict("records"))
     banded = EarthquakeResult(result.dataset.assign_attrs({BANDS: bands}), result.compared)
     banded.one_component = result.one_component

@@ -19,6 +19,7 @@ from thermobearing.quantities.words import (
     degrees,
     joined,
     number,
+    part_label,
     percent,
     plain,
     tidy,
@@ -81,7 +82,7 @@ class Shown(NamedTuple):
         bearing, scope = "", ""
         if self.bearing:
             bearing, scope = f" ({self.bearing})", f" among the lines with {self.bearing}"
-        return f"Shown: {_part_label(part, self.name)}{bearing}, which {self.reason}{scope}."
+        return f"Shown: {part_label(part, self.name)}{bearing}, which {self.reason}{scope}."
 
 
 def governing_lines(result: EarthquakeResult) -> list[Shown]:
@@ -145,19 +146,13 @@ def _place_in_words(result: EarthquakeResult, place: int, part: str) -> str:
 
 def _run_and_part(result: EarthquakeResult, run: str, bearing: str, part: str, name: str) -> str:
     """Return the name of a run and its line or pier; a line is named with its own bearing."""
-    lines = result.line_bearings.get(bearing, {})
+    lines, label = result.line_bearings.get(bearing, {}), part_label(part.rpartition("_")[2], name)
     if not lines:
-        return f"{run}, {_part_label(part, name)}"
+        return f"{run}, {label}"
     run = run.removeprefix(f"{bearing}, ")
     if name in lines and part.endswith("line"):
-        return f"{_part_label(part, name)} with {lines[name]}, {run}"
-    return f"{run}, {_part_label(part, name)}"  # a pier carries lines of several bearings
-
-
-def _part_label(column: str, name: str) -> str:
-    """Return a line or pier as "line A1"; a name that begins so stands alone."""
-    kind = column.rpartition("_")[2]
-    return name if name.lower().startswith(kind) else f"{kind} {name}"
+        return f"{label} with {lines[name]}, {run}"
+    return f"{run}, {label}"  # a pier carries lines of several bearings
 
 
 def _governing(result: EarthquakeResult) -> str:
@@ -194,7 +189,7 @@ def _yielding(result: EarthquakeResult) -> str:
     if len(piers):
         yielding = set(piers.loc[piers["ductility"] > 1.0, "pier"])
         in_order = dict.fromkeys(piers["pier"])  # of the structure, not of the runs
-        names = [_part_label("pier", str(name)) for name in in_order if name in yielding]
+        names = [part_label("pier", str(name)) for name in in_order if name in yielding]
     verb = "yield" if len(names) > 1 else "yields"
     text = f"{joined(names)} {verb} (ductility {number(ductility)}, {place})."
     return f"{text[:1].upper()}{text[1:]}"

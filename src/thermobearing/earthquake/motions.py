@@ -50,9 +50,10 @@ class Motion(Strict):
     """A built-in motion, a file with what it does not say itself, or samples; or a pair of them.
 
     `label` is its name in tables and figures: that of the motion, made different from others of
-    that name by component, ending, factor, angle or folder; an angle that is not zero is always
-    in it. `group` names those whose peaks are averaged; by default the standard spectrum of a
-    built-in motion. `acceleration` holds the samples of one that is no file, in `unit`, every `dt`.
+    that name by component, ending, factor, angle or folder; a factor that is not 1, as in
+    "record-x0.6", and an angle that is not zero are always in it. `group` names those whose peaks
+    are averaged; by default the standard spectrum of a built-in motion. `acceleration` holds the
+    samples of one that is no file, in `unit`, every `dt`.
     `angle` is that from the axis of the bridge to the first record of a pair [deg], positive
     towards the second, which is at a right angle.
 
@@ -315,6 +316,7 @@ def _at_angles(table: Any) -> list[Any]:
 def _make_labels_differ(tables: list[Any], loaded: list[GroundMotion]) -> list[str]:
     """Give motions of one name labels that differ; return the faults where that fails."""
     faults = []
+    chosen = [table.get("label") is not None for table in tables]
     names = [motion.name for motion in loaded]
     for name in dict.fromkeys(names):
         numbers = [k for k, candidate in enumerate(names) if candidate == name]
@@ -323,7 +325,7 @@ def _make_labels_differ(tables: list[Any], loaded: list[GroundMotion]) -> list[s
         ends = _ends([(tables[k], loaded[k]) for k in numbers])
         is_repeated = any(tables[k] == tables[j] for k in numbers for j in numbers if j < k)
         # Labels that a user chose are not changed, except by the angle, which is always in them.
-        labelled = any(tables[k].get("label") is not None for k in numbers)
+        labelled = any(chosen[k] for k in numbers)
         if is_repeated or (labelled and not all(AT in end for end in ends)):
             faults.append(f'motions: "{name}" is given more than once')
             continue
@@ -334,6 +336,11 @@ def _make_labels_differ(tables: list[Any], loaded: list[GroundMotion]) -> list[s
     for table, motion in zip(tables, loaded, strict=True):
         if table.get("label") is None and Path(table["name"]).name == MOTION:
             table["label"] = motion.name
+    # A motion that is not run as recorded says so wherever it is named.
+    for k, table in enumerate(tables):
+        if not chosen[k] and _factor(table) != 1.0 and not loaded[k].name.endswith(_times(table)):
+            table["label"] = f"{loaded[k].name.removesuffix(_at(table))}{_times(table)}"
+            loaded[k] = replace(loaded[k], name=table["label"])
     # A label that states its angle already, as one of a resolved case does, is not lengthened.
     for k, table in enumerate(tables):
         label = loaded[k].name.removesuffix(_at(table)) + _at(table)
@@ -352,6 +359,17 @@ AT = " at "  # between the label of a pair and its angle
 def _angle(table: dict[str, Any]) -> float:
     """Return the angle of the table of a motion [deg]."""
     return parse_quantity(str(table.get("angle") or "0 deg"), "deg")
+
+
+def _factor(table: dict[str, Any]) -> float:
+    """Return the factor of the table of a motion; of one that is faulty 1, until it is checked."""
+    factor = table.get("factor", 1.0)
+    return float(factor) if isinstance(factor, int | float) else 1.0
+
+
+def _times(table: dict[str, Any]) -> str:
+    """Return the end of a label that states the factor."""
+    return f"-x{_factor(table):g}"
 
 
 def _at(table: dict[str, Any]) -> str:
@@ -411,7 +429,7 @@ def _ends(motions: list[tuple[dict[str, Any], GroundMotion]]) -> list[str]:
     choices = [
         [f"-{motion.component}" if motion.component else "" for _, motion in motions],
         [path.suffix.replace(".", "-") for path in paths],
-        [f"-x{table.get('factor', 1.0):g}" for table, _ in motions],
+        [_times(table) for table, _ in motions],
         [f"-{path.parent.name}" for path in paths],
         [_at(table) for table, _ in motions],
     ]

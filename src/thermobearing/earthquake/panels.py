@@ -22,6 +22,7 @@ from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.words import part_label
 from thermobearing.results import drawing
 from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel
 from thermobearing.structure.model import GROUND
@@ -34,6 +35,7 @@ QUARTERS = 4
 MOST_COLUMNS = 4
 SPECTRUM_PERIODS, SPECTRUM_POINTS = (0.05, 5.0), 120  # of the figure of spectra [s]
 TARGET_LINES = ("--", "-.", ":")
+OTHER_LINES = ("-", (0, (4, 1)), (0, (2, 1)), (0, (6, 1, 1, 1)))  # of motions without a target
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
 Draw = Callable[[Axes, int], None]
@@ -56,8 +58,7 @@ def part_names(dataset: "xr.Dataset", parts: Sequence[str] = PARTS) -> str:
     names = {part: str(dataset.attrs[part]) for part in parts}
     if names.get("pier") == GROUND:  # the deck has no pier
         del names["pier"]
-    labels = [n if n.lower().startswith(part) else f"{part} {n}" for part, n in names.items()]
-    return ", ".join(labels)
+    return ", ".join(part_label(part, name) for part, name in names.items())
 
 
 def select_part(dataset: "xr.Dataset", part: str, name: str | None) -> "xr.Dataset":
@@ -340,17 +341,26 @@ class Panels(drawing.Figures):
         return ProfilePanel(f"{prefix}{drawing.degrees(ambient)}", ambient, stack, lines)
 
     def motion_spectra(self) -> Figure:
-        """Return response spectra of the motions as run, and the spectra that they are to fit.
+        """Return response spectra of all motions as run, and the spectra that some are to fit.
 
-        Of a structure in plan, those of the motions along the bridge.
+        Motions that were not made to fit a spectrum are grey. Of a structure in plan, those of the
+        motions along the bridge.
         """
-        data, targets = self._result.dataset, motion_targets(self._data)
+        targets = motion_targets(self._data)
+        data = self._result.dataset
         title = f"{data.attrs['structure']}: response spectra of the ground motions, 5 % damping"
         figure, (ax,) = drawing.panels(1, 1, (6.4, 4.0), title)
         periods = np.geomspace(*SPECTRUM_PERIODS, SPECTRUM_POINTS)
         colours = drawing.ordered_colours(len(targets), "viridis")
+        # Grey lines of records are told apart by their dashes, as far as there are some.
+        others = [name for name in self._motions if name not in targets]
+        looks: dict[str, drawing.Look] = {
+            name: {"color": drawing.GREY, "linestyle": OTHER_LINES[place % len(OTHER_LINES)]}
+            for place, name in enumerate(others)
+        }
+        looks |= {name: {"color": c} for name, c in zip(targets, colours, strict=True)}
         handles = []
-        for name, colour in zip(targets, colours, strict=True):
+        for name, look in looks.items():
             run = self._find_runs(motion=name)[0]
             time = data["time"].values[run].astype(float)
             count = int(np.isfinite(time).sum())
@@ -358,13 +368,13 @@ class Panels(drawing.Figures):
             ground = ground if ground.ndim == 1 else ground[:, 0]
             motion = GroundMotion(name, float(time[count - 1]) / (count - 1), ground)
             values = response_spectrum(motion, periods).acceleration / MM_PER_M
-            handles += ax.plot(periods, values, color=colour, linewidth=1.0, label=name)
+            handles += ax.plot(periods, values, linewidth=1.0, label=name, **look)
         distinct = {str(target.spectrum): target.spectrum for target in targets.values()}
         for place, spectrum in enumerate(distinct.values()):
-            look: drawing.Look = {"color": drawing.INK, "linestyle": TARGET_LINES[place % 3]}
             label = spectrum.words.removeprefix("the ")
             values = spectrum.at(periods) / MM_PER_M
-            handles += ax.plot(periods, values, linewidth=1.8, label=label, **look)
+            target_look: drawing.Look = {"color": drawing.INK, "linestyle": TARGET_LINES[place % 3]}
+            handles += ax.plot(periods, values, linewidth=1.8, label=label, **target_look)
         ax.set_xscale("log")
         ax.set_xlim(*SPECTRUM_PERIODS)
         ax.set_ylim(bottom=0.0)

@@ -38,6 +38,7 @@ from thermobearing.earthquake.case import EarthquakeAnalysis, OnLine, list_beari
 from thermobearing.model.axial import axial_stiffness
 from thermobearing.model.checks import checked_modulus
 from thermobearing.model.earlier import BilinearParameters
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined
@@ -55,6 +56,10 @@ MEAN_RULE = "mean of seven"
 KILO = 1e3  # mm in a metre
 FIRST = 1  # the cycle in which virgin rubber is stiffest
 SCRAGGED = "scragged"
+OTHER_DISPLACEMENTS = (
+    "K_eff and damping also depend on the design displacement, which differs between temperatures: "
+    "their ratio is not that of one loop at two temperatures."
+)
 
 
 class DampingFactor(Strict):
@@ -94,12 +99,12 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
     -------
     DataFrame
         One row for each bearing of the analysis, line and ambient temperature: design displacement
-        [mm], effective stiffness [kN/mm] and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of
-        the bilinear loop with the same peak force and energy; `kind` of the bearing, empty where
-        its own K_1 is stated. All lines of a bearing have one K_1/K_d. `cycle` is the third; the
-        first at the coldest temperature of rubber with virgin excess, whose state is `rubber`.
-        `over_scragged` is K_eff over that of the third cycle of scragged rubber. Lines that do not
-        move are left out.
+        [mm] and the motion that it is of (`design_displacement_of`), effective stiffness [kN/mm]
+        and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of the bilinear loop with the same peak
+        force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
+        bearing have one K_1/K_d. `cycle` is the third; the first at the coldest temperature of
+        rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
+        the third cycle of scragged rubber. Lines that do not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
@@ -115,6 +120,8 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         peaks = group["displacement_max_mm"].to_numpy(dtype=float)
         has_mean = len(peaks) >= motions_for_mean()
         displacement = float(peaks.mean() if has_mean else peaks.max())
+        governing = str(group["motion"].iloc[place_of_largest(peaks)])
+        source = f"mean of {len(peaks)} motions" if has_mean else f"largest, in {governing}"
         state = states.get(str(key[1])) or options.state
         device = _as_run(devices[str(group["line_bearing"].iloc[0])], options, state)
         coldest = key[2] == lines["ambient_degC"].min()
@@ -124,6 +131,7 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         temperature = float(group["line_ambient_degC"].iloc[0])
         labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
         line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
+        line |= {"design_displacement_of": source}
         values = _properties(device, displacement, temperature, period, upper=coldest)
         rows.append(labels | line | values | {"rubber": _rubber(device, state)})
     return _with_one_ratio(pd.DataFrame(rows))
@@ -193,7 +201,7 @@ def _moved_lines(
     table = table[completed]
     strain = table["bearing_strain_max"].to_numpy(dtype=float)
     thickness = np.array([devices[name].total_rubber_thickness for name in table["bearing"]])
-    return table[["bearing", "ambient_degC"]].assign(
+    return table[["bearing", "motion", "ambient_degC"]].assign(
         line=line["name"],
         line_bearing=table["bearing"],
         count=int(line["count"]),
@@ -371,6 +379,7 @@ def link_text(lines: "pd.DataFrame") -> str:
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
         "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
         "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
+        *textwrap.wrap(OTHER_DISPLACEMENTS, 79),
     ]
     if note := initial_stiffness_note(lines):
         text += [*textwrap.wrap(note, 79)]
@@ -378,7 +387,11 @@ def link_text(lines: "pd.DataFrame") -> str:
         loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
         assumed = " (assumed)" if row["kind"] else ""
         values = [
-            ("design displacement", row["design_displacement_mm"] / KILO, "m"),
+            (
+                "design displacement",
+                row["design_displacement_mm"] / KILO,
+                f"m ({row['design_displacement_of']})",
+            ),
             ("effective stiffness", KILO * row["K_eff_kN_mm"], "kN/m"),
             ("effective damping ratio", row["h_eff"], ""),
             (f"stiffness before yielding{assumed}", KILO * row["K_1_kN_mm"], "kN/m"),
@@ -407,7 +420,8 @@ def periods_table(
 ) -> tuple[Table, "pd.DataFrame"]:
     """Return the first modes as a table, and all of them as a frame; empty without a run.
 
-    Their periods and viscous damping ratios are those with equivalent stiffness. `hysteretic` are
+    Their periods and viscous damping ratios are those with the equivalent stiffness that the
+    structure states for its lines, not with K_eff of `line_properties`. `hysteretic` are
     ratios by bearing (`hysteretic_ratios`), `mode_limit` is how many modes the table has.
     """
     attrs = result.dataset.attrs
@@ -416,23 +430,30 @@ def periods_table(
     frame = pd.DataFrame({"period_s": np.atleast_1d(attrs["periods_s"])})
     frame["damping_ratio"] = np.atleast_1d(attrs["damping_ratios"])
     frame.insert(0, "mode_number", range(1, len(frame) + 1))
-    period = quantity("period_s", head="Period, equivalent stiffness", form=".3f")
+    period = quantity("period_s", head="Period, entered stiffness", form=".3f")
     columns: list[str | Quantity] = ["mode_number", period]
     columns.append(quantity("damping_ratio", head="Viscous damping ratio"))
-    sentences: list[str] = []
+    sentences = [
+        "Periods and damping ratios are those with the equivalent stiffness that was entered for "
+        "each bearing line."
+    ]
     if hysteretic:
         sentences.append(
-            "Hysteretic damping of the bearings, equivalent at their design displacement and the "
-            "warmest temperature, by their share in the strain energy of the mode; it is not in "
-            "the viscous ratio."
+            "The effective period and damping of the bridge, with K_eff of its bearings at their "
+            "design displacement, have their own table. Hysteretic damping of the bearings is "
+            "equivalent, at their design displacement and warmest temperature, by their share in "
+            "the strain energy of the mode; it is not in the viscous ratio."
         )
+    # With one bearing, or lines with their own on one bridge, the heads name none.
+    labels = result.bearing_labels
+    ends = {name: f", {label}" if len(labels) > 1 else "" for name, label in labels.items()}
     for name, ratios in (hysteretic or {}).items():
         frame[f"hysteretic_{name}"] = ratios
-        ratio = quantity("damping_ratio", head=f"Hysteretic damping ratio, {name}")
+        ratio = quantity("damping_ratio", head=f"Hysteretic damping ratio{ends[name]}")
         columns.append(replace(ratio, name=f"hysteretic_{name}"))
     for name in dict.fromkeys(result["bearing"].values.tolist()):
         frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
-        columns.append(replace(period, name=name, head=f"Initial period, {name}"))
+        columns.append(replace(period, name=name, head=f"Initial period{ends[name]}"))
     sentences.append(
         "Initial periods use the stiffness of the bearings before yielding, at the temperature of "
         "the first run."

@@ -31,6 +31,7 @@ from thermobearing.earthquake.panels import (
 )
 from thermobearing.earthquake.properties import (
     FIRST,
+    OTHER_DISPLACEMENTS,
     bridge_properties,
     cycle_note,
     damping_factor,
@@ -51,6 +52,7 @@ from thermobearing.quantities.words import (
     counted,
     degrees,
     joined,
+    part_label,
     plain,
     quantity,
     tidy,
@@ -275,7 +277,6 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
     properties, files = _properties(result) if command == "bridge" else ({}, {})
-    states_range = any(table.get("tested_range") is not None for table in list_bearing_tables(case))
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
@@ -296,7 +297,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         ),
         energy=structure_balance(result) if result.runs else None,
         assumptions=_assumptions(result, case),
-        **content.result_parts(result, str(attrs["case"]), command, range_given=states_range),
+        **content.result_parts(result, str(attrs["case"]), command),
     )
 
 
@@ -310,8 +311,8 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     note = (
         "Third cycle without heating at the ambient temperature, of the bearing as it was run "
         "(state of the rubber, exposure): upper values at the coldest, lower values at the "
-        "warmest. Q_d, K_d and K_1 are those of the bilinear loop with the same peak "
-        "force and energy."
+        f"warmest. {OTHER_DISPLACEMENTS} Q_d, K_d and K_1 are those of the bilinear loop with the "
+        "same peak force and energy."
     )
     states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
     if notes := [
@@ -319,7 +320,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         for row in states.to_dict("records")
         if row["cycle"] == FIRST
     ]:
-        note = f"{note} Upper values of {'; '.join(notes)}."
+        note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
     if assumed := initial_stiffness_note(lines):
         note = f"{note} {assumed}"
     several = lines["bearing"].nunique() > 1
@@ -331,9 +332,13 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     values += ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "K_v_kN_mm"]
     table = make_table(lines, [*keys, *values], caption, keys=len(keys), note=note, keep_keys=True)
     factor = damping_factor()
-    source = f"B_L: {factor.source}."
+    source = (
+        "First mode with K_eff of all bearings at their design displacement; damping of the "
+        "bearings only. "
+    )
+    source += f"B_L{'*' if factor.unverified else ''}: {factor.source}."
     if factor.unverified:
-        source = f"B_L*: {factor.source}. *: not checked against the published text."
+        source += " *: not checked against the published text."
     bridge_keys = ["bearing", "ambient_degC"] if several else ["ambient_degC"]
     bridge_table = make_table(
         bridges,
@@ -373,8 +378,10 @@ def _ductilities(result: EarthquakeResult, case: Case) -> list[Check]:
         limit, source = entered.number, entered.describe()
     piers, names = result.piers, result.run_names
     if len(piers) and piers["ductility"].notna().any():
-        groups = [(f"pier {name}", rows) for name, rows in piers.groupby("pier", sort=False)]
-        columns = [(subject, rows["ductility"].to_numpy(dtype=float)) for subject, rows in groups]
+        columns = [
+            (part_label("pier", str(name)), rows["ductility"].to_numpy(dtype=float))
+            for name, rows in piers.groupby("pier", sort=False)
+        ]
     else:
         columns = [("pier", result.table["pier_ductility"].to_numpy(dtype=float))]
     checks = []

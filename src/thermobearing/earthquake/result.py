@@ -20,7 +20,7 @@ from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.quantities.words import joined
+from thermobearing.quantities.words import joined, part_label
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.metrics import LEAST_ENERGY
@@ -84,7 +84,7 @@ class EarthquakeResult(DatasetResult):
         if self.outcome != NOT_PHYSICAL or not len(torn):
             return super().sentence
         run = int(torn.index[place_of_largest(torn[STRAIN])])
-        line = f"line {table['strain_line'][run]}, " if self.has_parts else ""
+        line = f"{part_label('line', table['strain_line'][run])}, " if self.has_parts else ""
         return (
             f"A bearing was strained to {100.0 * table[STRAIN][run]:.0f} % ({line}"
             f"{self.run_names[run]}), beyond {100.0 * LARGEST_STRAIN:g} %, where it tears. The "
@@ -350,16 +350,16 @@ class EarthquakeResult(DatasetResult):
     def bearing_labels(self) -> dict[str, str]:
         """Names of the bearings of the analysis, each with those of lines that have another.
 
-        "pier-lead; A1 and A2: abut-hdr" where the lines A1 and A2 have the bearing abut-hdr.
+        Such as "abut-hdr on A1 and A2, pier-lead on the other lines".
         """
         labels = {str(name): str(name) for name in self.dataset["bearing"].values}
         for name, bearings in self.line_bearings.items():
             lines_by_bearing: dict[str, list[str]] = {}
-            for line, bearing in bearings.items():
-                if bearing != name:
-                    lines_by_bearing.setdefault(bearing, []).append(line)
-            parts = [f"{joined(lines)}: {bearing}" for bearing, lines in lines_by_bearing.items()]
-            labels[name] = "; ".join([name, *parts])
+            for line in (line for line, bearing in bearings.items() if bearing != name):
+                lines_by_bearing.setdefault(bearings[line], []).append(line)
+            parts = [f"{bearing} on {joined(lines)}" for bearing, lines in lines_by_bearing.items()]
+            others = [f"{name} on the other lines"] if name in bearings.values() else []
+            labels[name] = ", ".join([*parts, *others])
         return labels
 
     @property

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from thermobearing.bearing.undecided import band, band_text
+from thermobearing.bearing.undecided import UNDECIDED_OF, band, band_text
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures
@@ -21,7 +21,7 @@ from thermobearing.earthquake.properties import periods_table
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.quantities.words import joined
+from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.ranges import TESTED
 
@@ -155,7 +155,7 @@ def _largest(values: "pd.Series[float]") -> float:
 
 def _reported_line(result: "EarthquakeResult") -> str:
     """Return " of line A1", the line whose histories are kept; empty with one of all."""
-    return f" of line {result.dataset.attrs['line']}" if result.has_parts else ""
+    return f" of {part_label('line', result.dataset.attrs['line'])}" if result.has_parts else ""
 
 
 def make_tables(result: "EarthquakeResult") -> dict[str, Table]:
@@ -206,7 +206,7 @@ def _with_all_bearings(table: Table, labels: Mapping[str, str]) -> Table:
     # The caption names the bearing where all rows have it, since that column is then left out.
     caption = table.caption
     for name, label in changed.items():
-        caption = caption.replace(f"bearing: {name}", f"bearing: {label}")
+        caption = caption.replace(f"bearing: {name}", f"bearings: {label}")
     places = [place for place, column in enumerate(table.columns) if column.name == "bearing"]
     rows = [list(row) for row in table.rows]
     for row in rows:
@@ -462,7 +462,7 @@ def bands_frame(rows: list[dict[str, Any]]) -> "pd.DataFrame":
     The analysis itself, without a change, is part of each band.
     """
     frame, bands = pd.DataFrame(rows), []
-    keys = ["bearing", "ambient_degC", "undecided"]
+    keys = ["bearing", "ambient_degC", "undecided", UNDECIDED_OF]
     for key, group in frame.groupby(keys, sort=False) if len(frame) else ():
         for name in BANDED:
             if group[name].notna().any():
@@ -478,6 +478,8 @@ def _bands_table(result: "EarthquakeResult") -> Table:
     if not len(frame):
         return make_table(frame, caption=caption)
     keys = ["bearing", "ambient_degC", "undecided"]
+    if UNDECIDED_OF in frame and not (frame[UNDECIDED_OF] == frame["bearing"]).all():
+        keys.append(UNDECIDED_OF)  # lines have their own bearings
     pairs = zip(frame["lowest"], frame["highest"], strict=True)
     frame = frame.assign(text=[band_text(*pair).replace("-", MINUS) for pair in pairs])
     pivoted = frame.pivot_table("text", keys, "quantity", aggfunc="first", sort=False).reset_index()

@@ -27,7 +27,6 @@ def build_pieces(result: ServedResult) -> Pieces:
     data = result.dataset
     case = tomllib.loads(data.attrs["case"])
     bearing_sources = case.get("sources", {}).get(case["bearing"]["name"])
-    range_given = case["bearing"].get("tested_range") is not None
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
     input_keys = ("ambient", "initial", "count", "units", "rate")
     range_rows = result.tested_range.to_dict("records")
@@ -53,7 +52,7 @@ def build_pieces(result: ServedResult) -> Pieces:
             *ASSUMPTIONS,
             *reported.model_assumptions(case["analysis"], [case["bearing"]]),
         ],
-        **content.result_parts(result, str(data.attrs["case"]), "serve", range_given=range_given),
+        **content.result_parts(result, str(data.attrs["case"]), "serve"),
     )
 
 

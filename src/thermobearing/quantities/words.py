@@ -21,6 +21,15 @@ def joined(items: Iterable[str], last: str = "and") -> str:
     return f"{', '.join(texts[:-1])} {last} {texts[-1]}"
 
 
+def part_label(kind: str, name: str) -> str:
+    """Return a line or pier as "line A1"; a name that begins so stands alone.
+
+    >>> part_label("pier", "P1"), part_label("pier", "Pier 1")
+    ('pier P1', 'Pier 1')
+    """
+    return name if name.lower().startswith(kind) else f"{kind} {name}"
+
+
 def degrees(values: Sequence[float]) -> str:
     """Return temperatures in a sentence, each once: "23 and −20 °C"."""
     text = joined(dict.fromkeys(f"{round(value, 2) + 0.0:g}" for value in values))

@@ -22,7 +22,14 @@ from thermobearing.border.units import split_quantity
 from thermobearing.quantities.governing import SLACK_KELVIN, largest_by, least_by
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.quantities.words import counted, identity_rows, plain, printed_unit, tidy
+from thermobearing.quantities.words import (
+    counted,
+    identity_rows,
+    joined,
+    plain,
+    printed_unit,
+    tidy,
+)
 from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_ASSESSED,
@@ -57,7 +64,6 @@ def build_pieces(
     *,
     identity: Mapping[str, str],
     warnings: Iterable[str] = (),
-    range_given: bool = True,
     checks: Sequence[Check] = (),
     judged: bool = True,
     rate_rows: Iterable[Row] = (),
@@ -74,17 +80,17 @@ def build_pieces(
     ``**saved_parts(saved, command)``, one whose results are datasets
     ``**result_parts(result, case, command)``.
 
-    Warnings on the range behind the parameters become the validity, which is unknown unless
-    `range_given`. `judged` ends the answer with a sentence on limits and validity. `rate_rows` of
-    the tested range give a note on strain rates in earthquakes, `lead_rise` [K] one on the rubber
-    around the lead, `residuals` of the energy balance the table "quality".
+    Warnings on the range behind the parameters become the validity, which is unknown of bearings
+    that state no range. `judged` ends the answer with a sentence on limits and validity.
+    `rate_rows` of the tested range give a note on strain rates in earthquakes, `lead_rise` [K] one
+    on the rubber around the lead, `residuals` of the energy balance the table "quality".
     """
     of_range, other_warnings = parted(dict.fromkeys(warnings))
-    beyond = [*(map(tidy, of_range) if range_given else ()), *validity]
-    unknown = "" if range_given else " ".join(map(tidy, of_range))
+    unstated = [text for text in of_range if NOT_GIVEN in text]
+    beyond = [*(tidy(text) for text in of_range if text not in unstated), *validity]
     rate, ring = rate_note(rate_rows), ring_note(lead_rise)
     quality, residual_warnings = _quality_table(residuals)
-    verdict = [_verdict(checks, beyond, unknown, rate)] if judged else []
+    verdict = [_verdict(checks, beyond, unstated, rate)] if judged else []
     parts.setdefault("signatures", SIGNED)
     return Pieces(
         command=command,
@@ -94,7 +100,7 @@ def build_pieces(
         tables={**(tables or {}), **({"quality": quality} if len(quality) else {})},
         checks=checks,
         validity=beyond,
-        validity_unknown=unknown,
+        validity_unknown=" ".join(map(tidy, unstated)),
         notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
         warnings=[*residual_warnings, *map(tidy, other_warnings)],
         identity=identity,
@@ -102,12 +108,12 @@ def build_pieces(
     )
 
 
-def result_parts(result: Any, case: str, command: str, *, range_given: bool) -> dict[str, Any]:
+def result_parts(result: Any, case: str, command: str) -> dict[str, Any]:
     """Return what `build_pieces` needs of a result with a dataset, and of its resolved case."""
     version = str(result.dataset.attrs["version"])
     repeat_command = f"thermobearing {command} case.resolved.toml"
     identity = identity_rows(version, case, repeat_command)
-    return {"identity": identity, "warnings": result.warnings, "range_given": range_given}
+    return {"identity": identity, "warnings": result.warnings}
 
 
 def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
@@ -115,11 +121,7 @@ def saved_parts(saved: SavedResult, otherwise: str) -> dict[str, Any]:
 
     `otherwise` made it where no command was typed.
     """
-    range_given = bool(saved.summary.get("tested_range")) or not any(
-        NOT_GIVEN in text for text in saved.warnings
-    )
-    identity = saved_identity(saved, otherwise)
-    return {"identity": identity, "warnings": saved.warnings, "range_given": range_given}
+    return {"identity": saved_identity(saved, otherwise), "warnings": saved.warnings}
 
 
 def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
@@ -270,17 +272,27 @@ def summarize_checks(checks: Sequence[Check]) -> str:
 
 
 def _verdict(
-    checks: Sequence[Check], validity: Sequence[str], unknown: str = "", rate: str = ""
+    checks: Sequence[Check], beyond: Sequence[str], unstated: Sequence[str] = (), rate: str = ""
 ) -> str:
-    """Return the sentences on limits and validity, the last of an answer."""
-    if unknown:
-        text = "The calibration range of a bearing is not stated, so validity is not checked."
-    elif validity:
-        text = "Some results are outside the calibration range."
-    else:
-        text = f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}"
-    summary = summarize_checks(checks)
-    return summary if OUTSIDE in summary else f"{summary} {text}"
+    """Return the sentences on limits and validity, the last of an answer.
+
+    `beyond` are the sentences on what lies outside a range, `unstated` those on bearings without
+    one: of these the validity is unknown, which counts as neither inside nor outside.
+    """
+    sentences = [summarize_checks(checks)]
+    if beyond and OUTSIDE not in sentences[0]:
+        sentences.append("Some results are outside the calibration range.")
+    if unstated:
+        # One warning may be about several bearings, and begin with a step of a sequence.
+        names = re.findall(rf"([^:;]+): {NOT_GIVEN}", "; ".join(unstated))
+        bearings = dict.fromkeys(name.strip() for name in names)
+        sentences.append(
+            f"The calibration range of {joined(bearings)} is not stated, so the validity of "
+            "results with it is unknown."
+        )
+    elif not beyond:
+        sentences.append(f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}")
+    return " ".join(sentences)
 
 
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
@@ -329,7 +341,14 @@ def input_table(
             continue
         source = source_by_key.get(key) or source_by_key.get(key.split("[")[0]) or otherwise
         rows.append((key_words(key), *value_and_unit(value, ends=key.startswith(RANGES)), source))
-    return Table(caption, COLUMNS, rows, note=note)
+    return with_sources(Table(caption, COLUMNS, rows, note=note))
+
+
+def with_sources(table: Table) -> Table:
+    """Return a table of `COLUMNS`; without the sources where no value has one."""
+    if any(row[-1] for row in table.rows):
+        return table
+    return replace(table, columns=table.columns[:-1], rows=[row[:-1] for row in table.rows])
 
 
 def value_and_unit(value: Any, *, ends: bool = False) -> tuple[Any, str]:

@@ -155,16 +155,16 @@ def _nearest(name: str, choices: Mapping[str, object] | Sequence[str]) -> str:
 
 def _validity(pieces: Pieces) -> list[Block]:
     notes = _listed(pieces.notes)
-    verdict: Block = Paragraph(f"{'Except for the following, a' if notes else 'A'}{ALL_VALID}")
-    if pieces.validity_unknown:
-        verdict = Paragraph(pieces.validity_unknown, "warning")
-    elif pieces.validity:
+    unknown = [Paragraph(pieces.validity_unknown, "warning")] if pieces.validity_unknown else []
+    if pieces.validity:
         table, sentences = calibration_table(pieces.checks), pieces.validity
         if table.rows:  # it has what the sentences on ends of the range say
             sentences = [text for text in sentences if BEYOND_TESTS not in text]
         tables = [TableBlock("outside", table)] if table.rows else []
-        return [Paragraph(EXTRAPOLATED), *tables, *_listed(sentences, "warning"), *notes]
-    return [verdict, *notes]
+        outside = [Paragraph(EXTRAPOLATED), *tables, *_listed(sentences, "warning")]
+        return [*outside, *unknown, *notes]
+    all_valid = Paragraph(f"{'Except for the following, a' if notes else 'A'}{ALL_VALID}")
+    return [*(unknown or [all_valid]), *notes]
 
 
 def _engineering(pieces: Pieces) -> list[Check]:

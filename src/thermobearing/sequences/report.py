@@ -52,7 +52,6 @@ def build_pieces(result: SequenceResult) -> Pieces:
         _answer(result),
         identity=identity_rows(str(version), text, "thermobearing sequence case.resolved.toml"),
         warnings=result.warnings,
-        range_given=case["bearing"].get("tested_range") is not None,
         checks=_checks(result, case),
         residuals=reported.residual_rows(_energies(result), case["analysis"]) if parts else [],
         inputs=_inputs(result, case),

@@ -10,7 +10,13 @@ from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import counted, identity_rows, percent, tidy
-from thermobearing.report.content import COLUMNS, key_words, saved_figures, value_and_unit
+from thermobearing.report.content import (
+    COLUMNS,
+    key_words,
+    saved_figures,
+    value_and_unit,
+    with_sources,
+)
 from thermobearing.report.pieces import Pieces
 from thermobearing.results.directory import RESOLVED
 from thermobearing.results.saved import SavedResult
@@ -131,4 +137,4 @@ def structure_table(
             rows.append((f"Viscous damping: {key}", *value, sources.get(f"damping.{key}", "")))
     texts = [structure.get(key) for key in ("description", "citation")]
     note = " ".join(f"{str(text).rstrip('.')}." for text in texts if text)
-    return Table(f"Structure: {structure['name']}", COLUMNS, rows, note=note)
+    return with_sources(Table(f"Structure: {structure['name']}", COLUMNS, rows, note=note))

@@ -244,13 +244,13 @@ function answer() {
     const key = lead > rubber ? "softens_lead" : "softens";
     if (fall >= 0.5) lines.push(t(key, { p: short(fall, 2), n: cold.cycles.length, h: short(Math.max(rubber, lead)) }));
   }
-  if (cold.softened) warnings.push(t("softened_layers", { n: cold.softened }));
+  const notes = cold.softened ? [t("softened_layers", { n: cold.softened })] : [];
   const hot = cold.lead ? largest(cold.lead) : -Infinity;
   const hotter = warm.lead ? Math.max(hot, largest(warm.lead)) : hot;
   if (hotter > page.warm_lead) warnings.push(t("melting", { h: short(hotter) }));
   if (isChanged()) warnings.push(t("changed"));
   const beyond = outside(farthest(askedByTest(state.ambient, cold), askedByTest(state.reference, warm)));
-  return { lines, warnings: [...warnings, ...beyond], within: !beyond.length };
+  return { lines, warnings: [...warnings, ...beyond], notes, within: !beyond.length };
 }
 
 let spokenLater = 0;
