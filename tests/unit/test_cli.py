@@ -324,3 +324,18 @@ def test_progress_without_a_terminal_is_a_few_lines(capsys: pytest.CaptureFixtur
         lines.show(second, 100)
     shown = capsys.readouterr().err.splitlines()
     assert shown == ["stepping: 10 of 100, about 90 s left", "stepping: 70 of 100, about 30 s left"]
+
+
+def test_the_start_of_a_command_is_not_taken_for_the_rate(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The first of 30 runs is done after 40 s of compiling, the others take one second each."""
+    now = [40.0]
+    lines = ProgressLines("runs", clock=lambda: now[0] - 40.0)
+    now[0] = 80.0
+    lines.show(1, 30)
+    assert capsys.readouterr().err == "runs: 1 of 30\n"
+    for done in range(2, 30):
+        now[0] += 5.0
+        lines.show(done, 30)
+    assert "runs: 13 of 30, about 85 s left" in capsys.readouterr().err

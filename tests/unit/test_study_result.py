@@ -294,6 +294,8 @@ def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -
     assert f"{shares['left_out'].iloc[0]} failed" in plain.get_supxlabel()
     assert plain.axes[0].get_xlabel() == "share of the variance [%]"
     assert "paired" in doubtful.get_supxlabel()
+    assert min(bar.get_width() for bar in doubtful.axes[0].patches) == 0.0
+    assert "as zero" in doubtful.get_supxlabel().replace("\n", " ")
 
 
 def test_collapses_leave_shares_of_the_variance_and_are_stated_once() -> None:
@@ -358,7 +360,7 @@ def test_too_few_motions_or_levels_are_said_instead_of_numbers() -> None:
                 assert (cell == "too few") == banded, head
                 assert number != "too few"
     (ax,) = four.plot.fragility().axes
-    assert not [line for line in ax.lines if line.get_linestyle() == ":"]
+    assert not ax.collections
     curves, rates = four.find_rates()
     assert all(rate.few_motions for rate in rates.values())
     assert all(curve.few_motions for curve in curves.values())
@@ -367,6 +369,20 @@ def test_too_few_motions_or_levels_are_said_instead_of_numbers() -> None:
     curves, _ = high.find_curves()
     assert [bool(curve.beyond_levels) for curve in curves.values()] == [False, True, False]
     assert "too few" in [cell for row in result_tables(high)["fragility"].texts() for cell in row]
+    labels = legend_labels(high.plot.fragility())[:3]
+    assert ["too few" in label for label in labels] == [False, True, False]
+    # Of three temperatures, the coldest and the warmest have a band.
+    assert len(part.plot.fragility().axes[0].collections) == 2
+
+
+def test_a_curve_is_printed_on_one_line() -> None:
+    part = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"].select(ambient_degC=-20.0)
+    curve = part.fragility(1.0, name="cold")
+    text = repr(curve)
+    assert "\n" not in text
+    assert len(text) < 200
+    assert f"{curve.median:.4g}" in text
+    assert f"of {curve.runs} runs" in text
 
 
 def test_temperatures_are_apart_in_figures_of_fragility() -> None:

@@ -360,16 +360,24 @@ class ProgressLines:
         self._what, self._clock = task, clock
         self._start = clock()
         self._next = self._start + self.FIRST
+        self._first: tuple[float, int] | None = None  # time and count when the first were done
 
     def show(self, done: int, total: int) -> None:
         """Print how much is done, and about how long the rest takes, where a line is due."""
         seconds = self._clock()
-        if seconds < self._next or not 0 < done < total:
+        if done > 0 and self._first is None:
+            self._first = seconds, done
+        if seconds < self._next or self._first is None or not 0 < done < total:
             return
         self._next = seconds + self.EVERY
-        remaining = (seconds - self._start) * (total - done) / done
-        size = f"{remaining:.0f} s" if remaining < 120.0 else f"{remaining / 60.0:.0f} minutes"
-        typer.echo(f"{self._what}: {done} of {total}, about {size} left", err=True)
+        # Compiling and the start of processes precede the first ones and do not come again.
+        began, before = self._first
+        rest = ""
+        if done > before:
+            remaining = (seconds - began) * (total - done) / (done - before)
+            size = f"{remaining:.0f} s" if remaining < 120.0 else f"{remaining / 60.0:.0f} minutes"
+            rest = f", about {size} left"
+        typer.echo(f"{self._what}: {done} of {total}{rest}", err=True)
 
 
 def with_progress(

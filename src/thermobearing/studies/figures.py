@@ -145,6 +145,8 @@ def _where_finite(values: "pd.Series", share: float) -> str:
 POINTS = 160
 FRAGILITY_NOTE = 95  # letters of a line above the panel
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
+TOO_FEW_LEVELS = " (too few levels)"  # the median is beyond all of them
+BANDED_ENDS = " of the coldest and the warmest"
 MARK_STEP = 0.01  # between marks of two temperatures, of the width
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
@@ -167,17 +169,21 @@ def _draw_fragility(
     )
     im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
     shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
+    known = [name for name, curve in curves.items() if curve.estimate.known]
+    ends = {*known[:1], *known[-1:]}
     for (name, curve), colour, shift in zip(
         curves.items(), _level_colours(list(curves)), shifts, strict=True
     ):
         label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
         if curve.estimate.known:
-            _curve(ax, curve, im, colour, len(curves) < 3, label)
+            label += TOO_FEW_LEVELS * bool(curve.beyond_levels)
+            # Bands of all would lie over each other; those of the ends compare cold and warm.
+            _curve(ax, curve, im, colour, label, banded=name in ends)
         else:
             ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
         _marks(ax, curve, colour, len(curves), float(shift))
     if climate is not None:
-        _curve(ax, climate, im, drawing.INK, True, climate.name)
+        _curve(ax, climate, im, drawing.INK, climate.name)
     side_by_side = " (side by side)" * (len(curves) > 1)
     ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{side_by_side}")
     ax.set_xlim(0.0, float(im[-1]))
@@ -186,7 +192,8 @@ def _draw_fragility(
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
-    bands = first_curve.few_motions or f"{100 * first_curve.level:g} % bands"
+    bands = f"{100 * first_curve.level:g} % bands" + BANDED_ENDS * (len(curves) > 2)
+    bands = first_curve.few_motions or bands
     bands = "; ".join(filter(None, [bands, first_curve.wide_bands]))
     note = f"{first_curve.method}; {bands}; {describe_failures(runs, left_out, collapsed)}"
     lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
@@ -196,14 +203,11 @@ def _draw_fragility(
     return figure
 
 
-def _curve(ax: Axes, curve: Fragility, im: Any, colour: str, filled: bool, label: str) -> None:
-    low, high = curve.band_at(im)
-    if curve.few_motions:
-        pass
-    elif filled:
-        ax.fill_between(im, low, high, color=colour, alpha=0.13, linewidth=0)
-    else:
-        ax.plot(im, low, im, high, color=colour, linewidth=0.6, linestyle=":")
+def _curve(
+    ax: Axes, curve: Fragility, im: Any, colour: str, label: str, *, banded: bool = True
+) -> None:
+    if banded and not curve.few_motions:
+        ax.fill_between(im, *curve.band_at(im), color=colour, alpha=0.13, linewidth=0)
     width = 1.8 if len(curve.parts) > 1 else 1.4
     ax.plot(im, curve.probability(im), color=colour, linewidth=width, label=label)
 
@@ -365,10 +369,11 @@ def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
     figure, (ax,) = drawing.panels(1, 1, size, title)
     places = np.arange(len(rows), dtype=float)
     height = 0.7 / len(kinds)
+    negative = 0
     for number, kind in enumerate(kinds):
-        share, low, high = (
-            100.0 * rows[f"{kind}{end}"].to_numpy(dtype=float) for end in ("", "_low", "_high")
-        )
+        shares = 100.0 * rows[[f"{kind}{end}" for end in ("", "_low", "_high")]].to_numpy(float)
+        negative += int((shares[:, 0] < 0.0).sum())
+        share, low, high = shares.clip(min=0.0).T
         positions = places + height * (0.5 * (len(kinds) - 1) - number)
         label, colour = KINDS[kind]
         ax.barh(positions, share, height=0.9 * height, color=colour, alpha=0.85, label=label)
@@ -380,6 +385,8 @@ def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
     failed, row_count = int(contributions["left_out"].iloc[0]), int(contributions["rows"].iloc[0])
     kind = "samples" if "total" in contributions else "runs"
     counts = f"{row_count} {kind}, {failed} failed and left out"
+    if negative:
+        counts += f"; shares below zero, which are sampling errors, are drawn as zero ({negative})"
     drawing.name_axes(ax, "share of the variance [%]")
     _note_below(figure, "\n".join(filter(None, [counts, sampling_note(contributions)])))
     # The layout reserves one strip below the panels, which the note has.

@@ -166,11 +166,18 @@ def _settle_structures(table: dict[str, Any], folder: Path, faults: list[str]) -
     faults += _duplicate_faults(table["levels"], "structure")
 
 
+CHANGES = {  # by which a level gets another name in Python
+    "bearing": 'tb.changed_bearing("...", name="...")',
+    "structure": 'model_copy(update={"name": "..."})',
+}
+
+
 def _duplicate_faults(levels: list[Any], factor: str) -> list[str]:
     names = [getattr(item, "name", "") for item in levels]
     duplicates = dict.fromkeys(name for name in names if name and names.count(name) > 1)
     return [
-        f'factors.{factor}.levels: two have the name "{name}"; names must differ'
+        f'factors.{factor}.levels: two have the name "{name}"; give one another name, by the key '
+        f"name of its file or table, or in Python by {CHANGES[factor]}"
         for name in duplicates
     ]
 

@@ -65,6 +65,7 @@ Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 MOTION = "motion"
 LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
 LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
+LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
 NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
 
@@ -190,14 +191,18 @@ def _ida(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequenc
             )
         curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), indices[0]))
     if all(len(curve.intensity) == 2 for curve in curves):
+        # Stripes count runs at each level; the regression of a cloud needs none.
+        repeated = np.unique(values, return_counts=True)[1] >= LEAST_AT_LEVEL
+        other = "stripes" if repeated.all() else "cloud"
         raise InputError(
             f"IDA needs the same draw at several intensities (`paired = true` in [design]); each "
-            f"of the {len(curves)} curves has one run; use stripes or cloud instead"
+            f"of the {len(curves)} curves has one run; use {other} instead, since "
+            + ("each intensity has several runs" if repeated.all() else "most intensities have one")
         )
     return Ida(curves, tuple(by), demand, intensity, runs.sentence)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fragility:
     """A fragility curve, or the mean of the curves of several temperatures."""
 
@@ -213,6 +218,18 @@ class Fragility:
     counts: "pd.DataFrame"  # for each intensity `runs` and `beyond`; many intensities in classes
     left_out: int  # number of failed runs that are left out, or count as collapse
     collapsed: int
+
+    def __repr__(self) -> str:
+        """Return method, question and median on one line; `row` has all numbers."""
+        of = f"{self.name}: " if self.name else ""
+        median = f"median {self.median:.4g}" if self.median == self.median else self.outcome
+        remark = f" ({self.beyond_levels})" if self.beyond_levels else ""
+        dispersion = f", dispersion {self.dispersion:.3g}" if self.dispersion > 0.0 else ""
+        exceedances = int(self.counts["beyond"].sum())
+        return (
+            f"Fragility({of}{self.method}, {self.demand} above {self.capacity:g} against "
+            f"{self.intensity}: {median}{remark}{dispersion}, {exceedances} of {self.runs} runs)"
+        )
 
     @property
     def estimate(self) -> Estimate:
