@@ -54,11 +54,14 @@ $(LINKER): $(PROGRAM)
 kernels: $(LINKER)
 	$(BIN)/python -m kernels $(KERNELS)
 
+# Of the live page: the site of this clone where it is built; make dist DOCUMENTS=https://...
+DOCUMENTS ?= $(if $(wildcard build/site/index.html),../build/site/index.html)
+
 dist: $(LINKER)
 	$(BIN)/python -m kernels all
 	rm -rf dist
 	$(BIN)/python -m hatchling build -d dist
-	$(BIN)/thermobearing live -o dist/bearing.html
+	$(BIN)/thermobearing live -o dist/bearing.html --documents "$(DOCUMENTS)"
 
 PYTHONS ?= $(PYTHON)
 dist-check:

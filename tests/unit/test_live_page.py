@@ -145,7 +145,7 @@ def test_help_names_the_bearing_that_a_page_opens_with() -> None:
 def test_a_page_replaces_no_file_unless_asked(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(page, "page_html", lambda *given: "page")
+    monkeypatch.setattr(page, "page_html", lambda _, documents: f"page{documents}")
     file = tmp_path / "page.html"
     done = CliRunner().invoke(app, ["live", "shen-hdr-specimen", "-o", str(file), "--json"])
     assert done.exit_code == 0
@@ -153,3 +153,6 @@ def test_a_page_replaces_no_file_unless_asked(
     with pytest.raises(OutputError, match=r"page\.html"):
         tb.live_page(file)
     assert tb.live_page(file, overwrite=True) == file
+    words = ["live", "-o", str(file), "--overwrite", "--documents", "../index.html"]
+    assert CliRunner().invoke(app, words).exit_code == 0
+    assert file.read_text() == "page../index.html"

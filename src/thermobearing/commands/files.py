@@ -189,6 +189,15 @@ def _live(
     output: Annotated[
         Path | None, option("-o", "--output", help="HTML file to write; NAME.html by default.")
     ],
+    documents: Annotated[
+        str | None,
+        option(
+            "--documents",
+            help="Address of the documentation that the page links to, such as ../index.html; "
+            "no link by default.",
+            metavar="ADDRESS",
+        ),
+    ],
     overwrite: Overwrite,
     quiet: Annotated[bool, option("-q", "--quiet", help="Print nothing.")],
 ) -> Answer:
@@ -200,7 +209,12 @@ def _live(
     from thermobearing.live.page import START, live_page
 
     opened = as_bearing(bearing or START)
-    file = live_page(output or Path(f"{opened.name}.html"), bearing or START, overwrite=overwrite)
+    file = live_page(
+        output or Path(f"{opened.name}.html"),
+        bearing or START,
+        overwrite=overwrite,
+        documents=documents or "",
+    )
     size = file.stat().st_size
     if not quiet:
         echo_written(file, f" ({megabytes(size)})")
