@@ -297,3 +297,42 @@ def test_dask_by_a_client_of_the_user(tmp_path: Path, small_files: dict[str, byt
         run_study(small_study(), tmp_path / "out", executor="dask", address=client, size=1)
         assert client.status == "running"
     assert kept(tmp_path / "out") == small_files
+
+
+ENDLESS = """
+import signal, time
+from contextlib import closing
+from thermobearing.studies.run.processes import call_on_processes, terminated_as_interrupted
+
+def work(shared, item):
+    time.sleep(0.2)
+    return item
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    with terminated_as_interrupted(), closing(call_on_processes(work, None, range(9999), 2)) as all:
+        for item, _ in all:
+            print(item, flush=True)
+"""
+
+
+@needs_fork
+@pytest.mark.parametrize("numbers", [(signal.SIGTERM,), (signal.SIGINT, signal.SIGINT)])
+def test_an_interrupted_pool_ends_and_leaves_nothing(tmp_path: Path, numbers: Any) -> None:
+    """Also if it is terminated, or interrupted again while its processes end."""
+    script = tmp_path / "endless.py"
+    script.write_text(ENDLESS)
+    pipes: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen([sys.executable, str(script)], **pipes) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        for number in numbers:
+            process.send_signal(number)
+            time.sleep(0.1)
+        try:
+            _, errors = process.communicate(timeout=PATIENCE)
+        finally:
+            process.kill()
+    assert process.returncode == -signal.SIGINT
+    assert errors.count("KeyboardInterrupt") == 1 + (signal.SIGTERM in numbers)
+    assert "leaked" not in errors

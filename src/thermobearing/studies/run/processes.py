@@ -6,8 +6,16 @@ import threading
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, contextmanager
 from itertools import chain
-from multiprocessing import connection, get_all_start_methods, get_context, parent_process
+from multiprocessing import (
+    connection,
+    forkserver,
+    get_all_start_methods,
+    get_context,
+    parent_process,
+    resource_tracker,
+)
 from typing import Any, TypeVar
 
 from thermobearing.border.errors import OutputError
@@ -63,7 +71,38 @@ def _context() -> Any:
         return get_context("spawn")
     context = get_context("forkserver")
     context.set_forkserver_preload([PRELOADED])
+    # The server imports for a second before it ignores Ctrl-C, which its parent handles. The
+    # tracker starts first, since it unblocks signals.
+    resource_tracker.ensure_running()
+    blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     return context
+
+
+@contextmanager
+def _handled(handler: Any, *numbers: int) -> Iterator[None]:
+    """Handle signals otherwise for a time; only the main thread can, in others nothing changes."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    previous = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, earlier in previous.items():
+            signal.signal(number, signal.SIG_DFL if earlier is None else earlier)
+
+
+def _interrupt(*_: Any) -> None:
+    raise KeyboardInterrupt
+
+
+def terminated_as_interrupted() -> AbstractContextManager[None]:
+    """Handle SIGTERM as Ctrl-C, so that processes end and their semaphores are removed."""
+    return _handled(_interrupt, signal.SIGTERM)
 
 
 def call_on_processes(
@@ -107,5 +146,7 @@ def call_on_processes(
                 ) from None
             pending, submitted = chain(list(submitted.items()), pending), {}
         finally:
-            stop.set()
-            pool.shutdown(cancel_futures=True)
+            # A second Ctrl-C would leave the processes behind, for which Python waits at its end.
+            with _handled(signal.SIG_IGN, signal.SIGINT, signal.SIGTERM):
+                stop.set()
+                pool.shutdown(cancel_futures=True)
