@@ -18,7 +18,7 @@ from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
 from thermobearing.model.outcomes import assumption_texts, heat_flow
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.register import Quantity, format_number
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined, number, plain, printed_unit, quantity, tidy
 from thermobearing.report.content import RESIDUAL_LIMIT, RIG, input_table, limit_checks
@@ -228,7 +228,10 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     pairs = zip(signs, rows["limit"], strict=True)
     frame = rows.assign(
         what=rows["what"].map(plain),
-        limit=[f"{sign} {limit:.4g}" if limit == limit else "" for sign, limit in pairs],
+        limit=[
+            f"{sign} {format_number(limit, '.4g')}" if limit == limit else ""
+            for sign, limit in pairs
+        ],
         unit=[printed_unit(unit)[0] if unit != "1" else "" for unit in rows["unit"]],
         source=rows["source"].map(plain) + np.where(rows["unverified"], "*", ""),
     )

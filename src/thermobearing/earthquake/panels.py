@@ -138,8 +138,9 @@ class Panels(drawing.Figures):
             remarks.append(f" ({parts})")
         direction = self._data.attrs.get(DIRECTION, "")
         labels = self._result.bearing_labels
-        bearings = self._shown if motions else self._bearings
-        if not motions and any(name != label for name, label in labels.items()):
+        of_line = motions and "line" in self._parts
+        bearings = self._shown if of_line else self._bearings
+        if not of_line and any(name != label for name, label in labels.items()):
             bearings = []  # several on one bridge: the caption and the tables name them
         names = [entries[0] for entries in (bearings, self._motions) if len(entries) == 1]
         place = ", ".join(filter(None, [str(self._data.attrs["structure"]), str(direction)]))

@@ -284,7 +284,7 @@ def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:
     looks = []
     for place, column in enumerate(table.columns):
         longest = max((len(row[place]) for row in texts), default=0)
-        size = ""
+        size = " middle"
         if longest > LONG:
             size = " long"
         elif longest < BRIEF:
