@@ -41,7 +41,7 @@ from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.motions import Progress, with_first_motion, with_matched
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.run.processes import call_on_processes, terminated_as_interrupted
+from thermobearing.studies.run.processes import call_on_processes, ended_by_sigterm
 from thermobearing.studies.run.shard import (
     RESULT_COLUMNS,
     BrokenError,
@@ -360,7 +360,7 @@ def run_study(
     part = check_start(directory, executor, jobs, address, shard, size)
     plan, store = _opened(study, directory, size, jobs)
     writer = _only_writer(directory, "" if part is None else f"{part[0]}-of-{part[1]}")
-    with writer, terminated_as_interrupted():
+    with writer, ended_by_sigterm():
         try:
             store.remove_changed_histories()
             pace = _do_missing(store, plan, part, (executor, jobs, address), progress)

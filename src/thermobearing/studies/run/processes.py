@@ -96,13 +96,13 @@ def _handled(handler: Any, *numbers: int) -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL if earlier is None else earlier)
 
 
-def _interrupt(*_: Any) -> None:
-    raise KeyboardInterrupt
+def _exit(number: int, _: Any) -> None:
+    raise SystemExit(128 + number)  # as a shell reports the signal
 
 
-def terminated_as_interrupted() -> AbstractContextManager[None]:
-    """Handle SIGTERM as Ctrl-C, so that processes end and their semaphores are removed."""
-    return _handled(_interrupt, signal.SIGTERM)
+def ended_by_sigterm() -> AbstractContextManager[None]:
+    """Exit on SIGTERM by an exception, so that processes end and their semaphores are removed."""
+    return _handled(_exit, signal.SIGTERM)
 
 
 def call_on_processes(
