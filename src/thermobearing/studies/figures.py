@@ -169,8 +169,8 @@ def _draw_fragility(
     )
     im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
     shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
-    known = [name for name, curve in curves.items() if curve.estimate.known]
-    ends = {*known[:1], *known[-1:]}
+    estimated = [name for name, curve in curves.items() if curve.estimate.known]
+    ends = {*estimated[:1], *estimated[-1:]}
     for (name, curve), colour, shift in zip(
         curves.items(), _level_colours(list(curves)), shifts, strict=True
     ):
