@@ -5,8 +5,8 @@ from matplotlib.figure import Figure
 
 from thermobearing.core.records import filled
 from thermobearing.results import drawing
+from thermobearing.structure.connections.takeda import straight_hinges, takeda
 from thermobearing.structure.model import load_structure
-from thermobearing.structure.takeda import straight_hinges, takeda
 from thermobearing.structure.types import Hinge
 
 PATH = [1.0, 4.0, 2.8, 4.0, 5.0, 0.0, -3.0, 0.5, 3.0, 1.5, 5.0]  # rotations over yield

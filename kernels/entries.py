@@ -81,7 +81,8 @@ def _run_everything() -> None:
     with suppress(Recorded):
         run_lanes([run])
     along = prepared.matrices
-    both = {name: np.stack([getattr(along, name)] * 2, axis=-1) for name in ("load", "line_rows")}
+    vectors = "load", "line_rows", "device_rows"
+    both = {name: np.stack([getattr(along, name)] * 2, axis=-1) for name in vectors}
     plan = replace(prepared, matrices=replace(along, **both))
     pair = np.stack([ground] * 2, axis=-1)
     with suppress(Recorded):

@@ -12,8 +12,8 @@ from tests import tolerances as tol
 from tests.cross_code.test_opensees_script import executed
 from tests.opensees import needs_opensees, ops
 from tests.verification.frames import PIER_PYTHON
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.frame import Element, Frame, Node
-from thermobearing.structure.model import GROUND
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "examples" / "frame_table.py"
 

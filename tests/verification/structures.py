@@ -83,7 +83,14 @@ def energy_residual(history: run.StructureHistory) -> float:
     """What the energy balance of a run lacks, of the input."""
     energies = history.rows.energies[-1]
     spent = (
-        energies.kinetic + energies.damping + energies.springs + energies.hinges + energies.bearings
+        energies.kinetic
+        + energies.damping
+        + energies.springs
+        + energies.hinges
+        + energies.bearings
+        + energies.dampers
+        + energies.sliders
+        + energies.gaps
     )
     return abs((energies.input - spent) / energies.input)
 

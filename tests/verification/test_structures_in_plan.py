@@ -202,7 +202,7 @@ def test_a_symmetric_structure_has_the_modes_of_one_direction() -> None:
     for way in DIRECTIONS:
         alone = prepare_structure(along(plan, way))
         assert alone.matrices.coordinates == line.matrices.coordinates
-        for name in ("mass", "load", "springs", "hinge_rows", "line_rows"):
+        for name in ("mass", "load", "springs", "hinge_rows", "line_rows", "device_rows"):
             found, wanted = (getattr(one.matrices, name) for one in (alone, line))
             assert np.array_equal(found, wanted)
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from tests import tolerances as tol
 from thermobearing.core.records import Floats, Rows, filled
-from thermobearing.structure.takeda import straight_hinges, takeda
+from thermobearing.structure.connections.takeda import straight_hinges, takeda
 from thermobearing.structure.types import Hinge, HingeState
 
 YIELD, STIFFNESS = 0.002, 1e4  # rad, kN mm/rad: yields at 20

@@ -16,7 +16,8 @@ from thermobearing.design.sizing import Kind, SizingRules, load_rubber
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
-from thermobearing.structure.model import GROUND, MassModel, Name, Structure, line_faults
+from thermobearing.structure.fields import GROUND, Name
+from thermobearing.structure.model import MassModel, Structure, line_faults
 
 STIFFNESS_RATIO = 0.19  # alpha of Table 6.3
 Weight = Annotated[float, in_unit("kN"), Field(ge=0.1, le=1e6)]

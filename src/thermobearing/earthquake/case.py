@@ -37,12 +37,12 @@ from thermobearing.model.limits import Limits, load_limits
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults, outdoors
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.structure.fields import Stiffness
 from thermobearing.structure.model import (
     STRUCTURES,
     AxialTable,
     DampingKind,
     MassModel,
-    Stiffness,
     Structure,
     axial_table_faults,
     fixed_base,
@@ -50,7 +50,7 @@ from thermobearing.structure.model import (
     load_structure,
     reported_line,
 )
-from thermobearing.structure.run import Method
+from thermobearing.structure.run import NO_VELOCITY, Method
 
 Device = Annotated[Bearing | BilinearBearing, Field(discriminator="kind")]
 
@@ -438,6 +438,8 @@ class EarthquakeCase(Strict):
             )
         faults += self._plan_faults() if self.components > 1 else []
         faults += self._axial_faults()
+        if self.structure.devices and not repeats_steps:
+            faults.append(f'analysis.method = "predictor-corrector": {NO_VELOCITY}')
         for bearing in self._all_bearings():
             if isinstance(bearing, Bearing):
                 misfits = self.analysis.settled(bearing).misfits(bearing)

@@ -406,8 +406,9 @@ def label_analysis(
     data |= parts_data
     ended = np.array([row["outcome"] for row in numbers], dtype=str)
     data["outcome"] = ("run",), ended, quantity("outcome").attributes | {"units": ""}
-    lab = ["actuator_kN_mm"] if case.laboratory is not None else []
-    for item in map(quantity, (*measures.NUMBERS, *lab, *measures.LOOP, *measures.LOOP_TIMES)):
+    others = ["actuator_kN_mm"] if case.laboratory is not None else []
+    others += [f"{name}_kN_mm" for name in measures.device_energies(case.structure)]
+    for item in map(quantity, (*measures.NUMBERS, *others, *measures.LOOP, *measures.LOOP_TIMES)):
         values = np.array([row[item.variable] for row in numbers])
         data[item.variable] = (_dimensions(values, "run"), values, item.attributes)
     data |= _labelled_ends(case, tasks, histories)
@@ -428,9 +429,16 @@ def label_analysis(
         },
         attrs=_attributes(case, tasks, _interrupted(planned, histories))
         | axial_attribute(tasks, histories)
+        | _device_attribute(runs)
         | _collect_warnings(case, tasks, histories, traces),
     )
     return EarthquakeResult(dataset)
+
+
+def _device_attribute(runs: Runs) -> dict[str, Any]:
+    """Return the peaks and energies of devices as an attribute of a dataset; none without one."""
+    rows = [row for task, history in runs for row in measures.device_peaks(task, history)]
+    return {"devices": as_attribute(rows)} if rows else {}
 
 
 def _label_directions(case: EarthquakeCase, tasks: Sequence["Task"]) -> dict[str, Any]:

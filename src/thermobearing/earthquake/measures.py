@@ -19,7 +19,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.sums import product_in_order, sum_of_products
-from thermobearing.structure.model import Pier, list_hinges
+from thermobearing.structure.model import Pier, Structure, list_hinges
 from thermobearing.structure.run import StructureHistory
 
 if TYPE_CHECKING:
@@ -97,7 +97,9 @@ BEARING: Final = (  # energies of one bearing
     "heat_lost_sides",
 )
 STRUCTURE_ENERGIES: Final = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
-STRUCTURE: Final = (*STRUCTURE_ENERGIES, "actuator")  # of the actuator in a laboratory only
+DEVICE_ENERGIES: Final = {"damper": "dampers", "slider": "sliders", "gap": "gaps"}  # by kind
+# Those of devices where there are some, that of the actuator in a laboratory only.
+STRUCTURE: Final = (*STRUCTURE_ENERGIES, *DEVICE_ENERGIES.values(), "actuator")
 COLUMNS: Final = (  # of the table of runs
     "bearing_strain_max",
     "bearing_force_max_kN",
@@ -439,12 +441,44 @@ def compute_measures(
     lines, piers = peaks or (line_peaks(task, history), pier_peaks(task, history))
     numbers |= governing_peaks(lines) | governing_peaks(piers) | {"outcome": history.outcome}
     numbers |= {name: getattr(history, name) for name in ("steps", "iterations", "substeps")}
-    numbers |= {f"energy_{name}": balance[name][-1] for name in STRUCTURE_ENERGIES}
+    present = [*STRUCTURE_ENERGIES, *device_energies(task.case.structure)]
+    numbers |= {f"energy_{name}": balance[name][-1] for name in present}
     if task.case.laboratory is not None:
         numbers["energy_actuator"] = _actuator_work(task, history)
     numbers |= {f"heat_{name}": bearing[name][-1] - bearing[name][0] for name in BEARING}
     numbers["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return numbers
+
+
+def device_energies(structure: Structure) -> list[str]:
+    """Return the names of the energies of the kinds of devices that a structure has."""
+    kinds = {device.kind for device in structure.devices}
+    return [name for kind, name in DEVICE_ENERGIES.items() if kind in kinds]
+
+
+def device_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
+    """Return the peaks and energies of all devices of a run, as rows of the table of devices."""
+    rows = []
+    for number, device in enumerate(task.case.structure.devices):
+        peak, end = history.device_peaks[number], history.device(number)[-1]
+        # In plan the resultant is the last.
+        force, stroke, speed = (
+            float(np.atleast_1d(size)[-1]) for size in (peak.force, peak.stroke, peak.velocity)
+        )
+        rows.append(
+            {
+                "run": task.label(task.device.bearing.name),
+                "device": device.name,
+                "device_kind": device.kind,
+                "device_force_max_kN": force,
+                "device_stroke_mm": stroke,
+                "device_speed_mm_s": speed,
+                "device_energy_kN_mm": float(end.work),
+                "device_stored_kN_mm": float(end.stored),
+                "oil_rise_K": float(end.heated),
+            }
+        )
+    return rows
 
 
 def _actuator_work(task: "Task", history: StructureHistory) -> float:

@@ -25,7 +25,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.quantities.words import part_label
 from thermobearing.results import drawing
 from thermobearing.results.profiles import MOST_PROFILES, ProfilePanel
-from thermobearing.structure.model import GROUND
+from thermobearing.structure.fields import GROUND
 
 TIME_BINS = 900  # points of a history are thinned to two per bin
 STRAIN, FORCE, DISPLACEMENT = "shear strain [%]", "force [kN]", "displacement [mm]"

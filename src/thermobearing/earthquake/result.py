@@ -28,7 +28,7 @@ from thermobearing.results.ranges import limits_passed, rate_note
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import without_rounding, write_csv, write_dataset
-from thermobearing.structure.model import GROUND
+from thermobearing.structure.fields import GROUND
 
 # Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
 LARGEST_ACTUATOR_SHARE = 0.05
@@ -60,11 +60,9 @@ class EarthquakeResult(DatasetResult):
         vectors have the dimension `direction`: x, y and resultant. Runs of a structure in plan
         with one component have `direction` as a coordinate.
     compared : dict of EarthquakeResult
-        Results of the same analysis by model, from `compare_models`; they add a table, two figures
-        and a verdict in summary.json to what is shown and saved.
+        Results of the same analysis by model, from `compare_models`, shown and saved with it.
     one_component : EarthquakeResult, optional
-        Result of the same analysis with one component of the ground motion at a time, from
-        `compare_components`; not saved, as `components` is.
+        The same with one component at a time, from `compare_components`; not saved.
     """
 
     _figures = "EarthquakeFigures"
@@ -95,10 +93,8 @@ class EarthquakeResult(DatasetResult):
     @property
     def headline(self) -> str:
         """Return the structure, the number of runs and the outcome in a line."""
-        bearings, motions, temperatures = (
-            len(set(self.dataset[name].values.tolist()))
-            for name in ("bearing", "motion", "ambient")
-        )
+        counts = [len(set(self.dataset[name].values.tolist())) for name in LABELS[:3]]
+        bearings, motions, temperatures = counts
         return (
             f"Earthquake analysis of {self.dataset.attrs['structure']}: {self.runs} runs (bearings "
             f"{bearings}, motions {motions}, temperatures {temperatures}), {self.outcome}"
@@ -334,6 +330,11 @@ class EarthquakeResult(DatasetResult):
         """One row per run and line whose axial forces act: shares of the critical load, tension."""
         return self._rows("axial")
 
+    @property
+    def devices(self) -> "pd.DataFrame":
+        """One row per run and device parallel to bearings: largest force, stroke and speed, energy."""
+        return self._rows("devices")
+
     @cached_property
     def line_bearings(self) -> dict[str, dict[str, str]]:
         """The bearing of each line, by the bearing of the analysis; empty where all have it."""
@@ -426,8 +427,7 @@ class EarthquakeResult(DatasetResult):
     def damping_note(self) -> str:
         """What runs owe to viscous damping, as a sentence; empty where it takes little.
 
-        A warning where the kind of damping was chosen for the analysis. Otherwise it is that of the
-        structure, and reports have the sentence among their assumptions.
+        A warning where the analysis chose the kind of damping, otherwise an assumption of reports.
         """
         shares = self.table["damping_of_input"].to_numpy(dtype=float)
         return measures.damping_sentence(shares, str(self.dataset.attrs["damping"]))
@@ -440,8 +440,8 @@ class EarthquakeResult(DatasetResult):
     def energy(self) -> "pd.DataFrame":
         """Energy balances of the structure and of one bearing at the end of each run [kN mm].
 
-        `structure_residual`: (input - kinetic - damping - springs - hinges - bearings - actuator) /
-        input; the actuator, whose delay and force error take work, is that of a laboratory.
+        `structure_residual`: input less all other energies of the structure (of the actuator in a
+        laboratory, whose delay and force error take work, too), over the input.
         `mechanical_residual`, `thermal_residual`: of the bearing, over its work (the thermal one
         over its heat stored or lost where that is more). They are relative to at least 1e-6 kN mm,
         the thermal one to at least 1 kN mm, see `metrics.relative_residual`.

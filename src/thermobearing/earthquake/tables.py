@@ -184,6 +184,7 @@ def _tables(result: "EarthquakeResult") -> dict[str, Table]:
         "lines": _parts_table(result, "line"),
         "piers": _parts_table(result, "pier"),
         "axial": axial_table(result.axial),
+        "devices": _devices_table(result.devices),
         **bearing_check_tables(result),
         "modes": make_table(
             result.modes_table,
@@ -196,6 +197,12 @@ def _tables(result: "EarthquakeResult") -> dict[str, Table]:
         "bearing_balance": _balance_table(result, bearing=True),
     }
     return {name: table for name, table in tables.items() if len(table)}
+
+
+def _devices_table(rows: "pd.DataFrame") -> Table:
+    """Return the peaks and energies of devices; the rise of oil only where it warms."""
+    names = [str(name) for name in rows if name != "oil_rise_K" or rows[name].any()]
+    return make_table(rows, names, "Devices parallel to the bearings", keys=2)
 
 
 def _with_all_bearings(table: Table, labels: Mapping[str, str]) -> Table:

@@ -23,10 +23,10 @@ from thermobearing.model.earlier import BilinearParameters
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.matrices import build_matrices, hinge_stiffness
 from thermobearing.structure.model import (
     DIRECTIONS,
-    GROUND,
     SOURCE_KINDS,
     BearingLine,
     Body,

@@ -20,8 +20,9 @@ from matplotlib.transforms import Bbox
 
 from thermobearing.core.records import Floats
 from thermobearing.results import drawing
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.matrices import displacement_row, mean_height
-from thermobearing.structure.model import GROUND, Mass, Spring, Structure
+from thermobearing.structure.model import Mass, Spring, Structure
 from thermobearing.structure.report import EFFECTIVE_MASSES
 from thermobearing.structure.result import StructureResult
 

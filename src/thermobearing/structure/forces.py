@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from thermobearing.core.compiled.kernel import compiled
+from thermobearing.core.compiled.kernel import compiled, compiled_apart
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.march import copy_state
 from thermobearing.core.records import Floats, Ints, Rows
@@ -32,18 +32,33 @@ from thermobearing.core.vector import (
     between,
     components,
     diagonal,
+    direction,
     dot,
     each_times,
+    farther,
     is_nonzero,
+    isotropic,
     lowest,
     minus,
     norm,
+    outer,
+    pick,
     plus,
     scaled,
     zero,
 )
-from thermobearing.structure.takeda import takeda
-from thermobearing.structure.types import Coordinate, LineFactors, Motion, MotionRows, System
+from thermobearing.structure.connections.devices import device_force, oil_factor, stored_energy
+from thermobearing.structure.connections.takeda import takeda
+from thermobearing.structure.types import (
+    DAMPER,
+    GAP,
+    SLIDER,
+    Coordinate,
+    LineFactors,
+    Motion,
+    MotionRows,
+    System,
+)
 from thermobearing.structure.vertical import begin_section, keep_section, lend, press_line
 
 
@@ -297,6 +312,45 @@ def _move_bearings(
 
 
 @compiled
+def begin_devices(system: System, motion: Motion, ambient: float) -> None:
+    """Prepare the devices once in a step, before `move_devices`; `ambient` is in degC."""
+    devices = system.devices
+    for d in range(len(devices.devices)):
+        old, new = motion.devices[d], motion.trial_devices[d]
+        new.stretch = old.stretch
+        new.force = zero(old.force)  # of no iteration yet
+        oil = ambient + devices.devices[d].warmer + old.heated
+        new.factor = oil_factor(devices, d, oil)
+
+
+@compiled_apart
+def move_devices(system: System, motion: Motion, by_v: float) -> None:
+    """Forces of the devices at the trial motion, and their tangent, added to those of `restoring`.
+
+    The trial velocities change by `by_v` with the trial coordinates [1/s].
+    """
+    points, devices = motion.points, system.devices
+    for d in range(len(devices.devices)):
+        device, old, new = devices.devices[d], motion.devices[d], motion.trial_devices[d]
+        stretch = along(devices.rows, d, points)
+        velocity = zero(stretch)
+        for i in range(devices.rows.shape[1]):
+            velocity = plus(velocity, scaled(devices.rows[d, i], points[i].predicted_v))
+        force, by_all, by_force = device_force(device, old, new.factor, stretch, velocity, by_v)
+        heading = direction(force)
+        slope = plus(isotropic(force, by_all), scaled(outer(heading, heading), by_force))
+        # The forces of dampers and sliders are steep where they turn round, and flat beyond:
+        # tangents of the flat parts would go to and fro, a chord between them does not.
+        turns = dot(force, new.force) < 0.0
+        if device.kind != GAP and any_lane(turns):
+            moved = norm(minus(stretch, new.stretch))
+            chord = norm(minus(force, new.force)) / select(moved > 0.0, moved, 1.0)
+            slope = pick(turns, plus(isotropic(force, chord), scaled(slope, 0.0)), slope)
+        new.stretch, new.velocity, new.force = stretch, velocity, force
+        spread(devices.rows, d, force, slope, motion)
+
+
+@compiled
 def restoring(system: System, bearings: Bearings, motion: Motion, dt: float, noise: Vector) -> int:
     """Restoring forces at the trial coordinates, and their tangent; after `begin_bearings`.
 
@@ -377,7 +431,37 @@ def commit(system: System, bearings: Bearings, motion: Motion, dt: float) -> Non
             energies.bearings += line.force_factor / line.length_factor * work
     if len(system.sections.sections) > 0:
         energies.bearings -= lend(system, motion)
+    if len(system.devices.devices) > 0:
+        commit_devices(system, motion)
     energies.clock += dt
+
+
+@compiled_apart
+def commit_devices(system: System, motion: Motion) -> None:
+    """The trial of the devices becomes their state, with its work and peaks."""
+    energies = motion.energies[0]
+    for d in range(len(system.devices.devices)):
+        device, old, new = system.devices.devices[d], motion.devices[d], motion.trial_devices[d]
+        mean = scaled(plus(old.force, new.force), 0.5)
+        work = dot(mean, minus(new.stretch, old.stretch))
+        new.work = old.work + work
+        new.stored = stored_energy(device, new.stretch, new.force)
+        new.heated = old.heated
+        if device.kind == DAMPER:
+            energies.dampers += work
+            if any_lane(device.heat_capacity > 0.0):
+                warms = device.heat_capacity > 0.0
+                capacity = select(warms, device.heat_capacity, 1.0)
+                new.heated = select(warms, old.heated + work / capacity, old.heated)
+        elif device.kind == SLIDER:
+            energies.sliders += work
+        else:
+            energies.gaps += work
+        motion.devices[d] = motion.trial_devices[d]
+        peak = motion.device_peaks[d]
+        peak.stroke = farther(peak.stroke, new.stretch)
+        peak.velocity = farther(peak.velocity, new.velocity)
+        peak.force = farther(peak.force, new.force)
 
 
 @compiled
@@ -424,6 +508,8 @@ def keep_motion(bearings: Bearings, motion: Motion, rows: MotionRows, row: int) 
         rows.a[row, i] = motion.points[i].a
     for h in range(len(motion.hinges.bends)):
         rows.hinges[row, h] = motion.hinges.bends[h]
+    for d in range(len(motion.devices)):
+        rows.devices[row, d] = motion.devices[d]
     for k in range(len(bearings)):
         kind, layers, profiles = bearings[k], rows.layers[k], rows.cells[k]
         cells = kind.constants.layer_cells

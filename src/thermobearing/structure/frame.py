@@ -31,9 +31,9 @@ from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import FRAME_PERIODS, RESOLVED
 from thermobearing.results.screen import say, show_table
 from thermobearing.results.writing import write_csv
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.matrices import Modes, displacement_row
 from thermobearing.structure.model import (
-    GROUND,
     BearingLine,
     Body,
     Mass,

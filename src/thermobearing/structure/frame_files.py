@@ -7,8 +7,8 @@ from pathlib import Path
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.units import conversion
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.frame import WAYS, Element, Frame, ImportedFrame, Node
-from thermobearing.structure.model import GROUND
 from thermobearing.tables.columns import name_and_unit, plain_title, plain_unit, read_number
 from thermobearing.tables.text import Row, Sheet, read_sheets
 

@@ -86,6 +86,7 @@ class RunPeaks(NamedTuple):
     energies: Rows[types.MotionEnergies]  # [1] energies at the end
     bearings: Rows[BearingResponse]  # [b] of the modelled bearing of each line, at the end
     alone: bool  # whether it was run alone
+    devices: Rows[types.DevicePeak]  # [d]
 
 
 def _no_rows(system: types.System, bearings: Bearings) -> types.MotionRows:
@@ -148,6 +149,7 @@ def _collect_peaks(
     bearings: Bearings,
     energies: Any,
     peaks: Sequence[Any],
+    device_peaks: Any,
     stored: Floats,
     steps: int,
     outcome: int,
@@ -168,6 +170,7 @@ def _collect_peaks(
         energies=energies,
         bearings=_modelled_responses(bearings, len(stored)),
         alone=True,
+        devices=device_peaks,
     )
 
 
@@ -207,7 +210,13 @@ def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
     scheme = _build_scheme(run, HALVINGS)
     steps, _, outcome = march(system, bearings, motion, scheme, shaking, room, peaks)
     return _collect_peaks(
-        bearings, motion.energies, peaks[2:], stored, int(steps), int(outcome)
+        bearings,
+        motion.energies,
+        peaks[2:],
+        motion.device_peaks,
+        stored,
+        int(steps),
+        int(outcome),
     ), room
 
 
@@ -264,7 +273,11 @@ def _likeness(run: Run) -> Any:
         # Cells are shared in a lockstep (`SharedCells`), so they must be alike to the bit.
         heat = b"".join(array.tobytes() for array in kind_constants.cells)
         kinds.append((tuple(numbers), _constants_shape(kind_constants), heat))
-    return sizes, len(matrices.hinge_rows), watched, run.dt, run.method, moving, *kinds
+    devices = tuple(
+        (device.kind, len(device.oil()[0])) for device in run.prepared.structure.devices
+    )
+    hinges = len(matrices.hinge_rows)
+    return sizes, hinges, devices, watched, run.dt, run.method, moving, *kinds
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
@@ -341,8 +354,10 @@ class Lockstep:
             peaks._replace(places=places, carried=carried),
             outcomes,
         )
-        records = tuple(kind.states for kind in bearings), motion.energies, peaks[2:]
-        run_records = each_lane(records, (starts[0], self.motion.energies, self.peaks[2:]))
+        states = tuple(kind.states for kind in bearings)
+        records = states, motion.energies, peaks[2:], motion.device_peaks
+        like = starts[0], self.motion.energies, self.peaks[2:], self.motion.device_peaks
+        run_records = each_lane(records, like)
         return [
             self._peaks(run, starts[lane], *run_records[lane], int(steps))
             if outcomes[0, lane] == COMPLETED
@@ -388,7 +403,14 @@ class Lockstep:
         return joined
 
     def _peaks(
-        self, run: Run, start: Any, states: Any, energies: Any, noted_peaks: Any, steps: int
+        self,
+        run: Run,
+        start: Any,
+        states: Any,
+        energies: Any,
+        noted_peaks: Any,
+        device_peaks: Any,
+        steps: int,
     ) -> RunPeaks:
         ended = tuple(
             kind._replace(constants=run.lines[int(kind.lines[0])].constants, states=state)
@@ -396,5 +418,5 @@ class Lockstep:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        peaks = _collect_peaks(ended, energies, noted_peaks, stored, steps, COMPLETED)
+        peaks = _collect_peaks(ended, energies, noted_peaks, device_peaks, stored, steps, COMPLETED)
         return peaks._replace(alone=False)

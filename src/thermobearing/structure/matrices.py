@@ -19,9 +19,10 @@ from thermobearing.core.types import Floats
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.results.sums import product_in_order
+from thermobearing.structure.connections.model import DeviceTable
+from thermobearing.structure.fields import GROUND
 from thermobearing.structure.model import (
     DIRECTIONS,
-    GROUND,
     SOURCE_KINDS,
     BearingLine,
     Damping,
@@ -54,6 +55,7 @@ class Matrices:
     springs: Floats  # [n, n] stiffness of linear springs
     hinge_rows: Floats  # [h, n] rotation per coordinate of each of `list_hinges`
     line_rows: Floats  # [b, n] or [b, n, 2] stretch of each bearing line per coordinate
+    device_rows: Floats  # [d, n] or [d, n, 2] stretch of each device, in plan along its axis first
 
 
 @dataclass(frozen=True)
@@ -201,7 +203,9 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     ]
     lines = [_stretch_row(structure, line) for line in structure.bearings]
     rows = np.reshape(hinges, (len(hinges), n))
-    return Matrices(names, mass, load, springs, rows, np.array(lines))
+    devices = [_device_row(structure, device) for device in structure.devices]
+    device_rows = np.reshape(devices, (len(devices), *load.shape))
+    return Matrices(names, mass, load, springs, rows, np.array(lines), device_rows)
 
 
 def twist_load(structure: Structure) -> tuple[Floats, float]:
@@ -250,11 +254,13 @@ def _difference(
     return motion(structure, part.body) - motion(structure, part.base)
 
 
-def _sideways(structure: Structure, part: Spring | BearingLine, height: float) -> Floats:
+def _sideways(
+    structure: Structure, part: Spring | BearingLine | DeviceTable, height: float
+) -> Floats:
     """Return the motion of the body of a part less that of its base, at its point and a height."""
     upper, lower = [
         displacement_row(structure, name, height, *structure.point(part))
-        for name in (part.body, part.base)
+        for name in (part.body or GROUND, part.base or GROUND)
     ]
     return upper - lower
 
@@ -265,6 +271,21 @@ def _stretch_row(structure: Structure, line: BearingLine) -> Floats:
     if line.height_across is not None:
         row[:, 1] = _sideways(structure, line, line.height_across)[:, 1]
     return row
+
+
+def _device_row(structure: Structure, device: DeviceTable) -> Floats:
+    """Return the stretch of a device per coordinate, in plan along its axis and across it."""
+    if device.line is None:
+        row = _sideways(structure, device, device.height or 0.0)
+    else:
+        row = _stretch_row(structure, structure.line(device.line))
+    if device.in_both_directions:
+        return row
+    cosine, sine = np.cos(device.angle or 0.0), np.sin(device.angle or 0.0)
+    if not structure.plan:
+        return np.asarray(cosine * row)
+    along = cosine * row[:, 0] + sine * row[:, 1]
+    return np.stack([along, np.zeros_like(along)], axis=-1)
 
 
 def _check_names(structure: Structure, names: list[str], mass_model: MassModel) -> None:

@@ -9,6 +9,7 @@ A structure in plan (`plan = true`) moves in two directions, x along and y acros
 bodies and connections have places in plan, and bodies may twist about the vertical.
 """
 
+import math
 from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
@@ -18,21 +19,17 @@ from pydantic import BeforeValidator, Field, model_validator
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import Library, Sourced, data_path
-from thermobearing.border.schema import OneLine, Strict, in_unit
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity
+from thermobearing.structure.connections.model import AnyDevice, DeviceTable
+from thermobearing.structure.fields import GROUND, Force, Height, Length, Name, Stiffness
 
-GROUND = "ground"
 LIMITS = read_toml(data_path("plausible", "piers.toml"))
 MassModel = Literal["consistent", "published"]
 DampingKind = Literal["modal", "rayleigh", "element", "none", "source", "source-with-bearings"]
 SOURCE_KINDS = ("source", "source-with-bearings")  # through modes 1 and 2 on the bearings
 Direction = Literal["x", "y"]
-Name = Annotated[str, Field(min_length=1, max_length=60), OneLine]
-# Ranges of real structures with a factor of ten or more on either side.
-Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]
-Length = Annotated[float, in_unit("mm"), Field(ge=-1e8, le=1e8)]  # in plan: 100 km
-Stiffness = Annotated[float, in_unit("kN/mm"), Field(ge=1e-6, le=1e9)]
 RotationalStiffness = Annotated[float, in_unit("kN mm/rad"), Field(ge=1e-3, le=1e15)]
 Ratio = Annotated[float, Field(ge=0, lt=1)]
 ModeNumber = Annotated[int, Field(ge=1, le=200)]
@@ -123,7 +120,6 @@ class Hinge(Strict):
         return self.yield_moment / self.yield_rotation
 
 
-DeadLoad = Annotated[float, in_unit("kN"), Field(ge=1e-3, le=1e6)]
 ONE_OR_SEVERAL = BeforeValidator(lambda load: load if isinstance(load, list | tuple) else (load,))
 
 
@@ -145,7 +141,7 @@ class AxialTable(Strict):
         line overturns the section; false by default.
     """
 
-    dead_load: Annotated[tuple[DeadLoad, ...], ONE_OR_SEVERAL, Field(min_length=1)]
+    dead_load: Annotated[tuple[Force, ...], ONE_OR_SEVERAL, Field(min_length=1)]
     places: Annotated[tuple[Length, ...], Field(min_length=1)] | None = None
     deck_height: Annotated[float, in_unit("mm"), Field(gt=0, le=1e6)] | None = None
     joint: Literal["bolted", "dowelled"] = "bolted"
@@ -268,14 +264,15 @@ class PierLimits(Strict):
     )
 
 
-_Part = Body | Mass | Spring | Hinge | BearingLine
+_Part = Body | Mass | Spring | Hinge | BearingLine | DeviceTable
 # `x` is of use to drawings without a plan too.
 DIRECTIONS: tuple[Direction, ...] = ("x", "y")
-PLAN_KEYS = ("y", "twists", "twist_inertia", "direction", "height_across")
+ACROSS = 1e-9  # cosine of an angle below which a device acts across a direction only
+PLAN_KEYS = ("y", "twists", "twist_inertia", "direction", "height_across", "angle")
 
 
 def _point(
-    part: Body | Mass | Spring | BearingLine, usual: tuple[float, float]
+    part: Body | Mass | Spring | BearingLine | DeviceTable, usual: tuple[float, float]
 ) -> tuple[float, float]:
     """Return the coordinates of a part, or the usual ones."""
     return usual[0] if part.x is None else part.x, usual[1] if part.y is None else part.y
@@ -290,6 +287,7 @@ class Structure(Sourced):
     bodies : rigid bodies, each after the one that carries it.
     masses : on bodies.
     springs, hinges, bearings : connections of two bodies, or of a body and the ground.
+    devices : parallel to bearings: viscous dampers, friction sliders, gaps.
     damping : viscous damping, in addition to the hysteresis of bearings and hinges.
     limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
@@ -305,6 +303,7 @@ class Structure(Sourced):
     springs: tuple[Spring, ...] = ()
     hinges: tuple[Hinge, ...] = ()
     bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=40)]
+    devices: Annotated[tuple[AnyDevice, ...], Field(max_length=100)] = ()
     damping: Damping = Damping()
     limits: PierLimits = PierLimits()
     report: Reported
@@ -334,7 +333,10 @@ class Structure(Sourced):
                 "report.pier (the body that is the pier) and report.pier_top (the height of "
                 "its top) are required, unless all bearings stand on the ground"
             )
+        faults += self._device_faults(lines)
         used = [mass.body for mass in self.masses]
+        for device in self.devices:
+            used += [name for name in (device.body, device.base) if name is not None]
         parts: tuple[Spring | Hinge | BearingLine, ...] = (*self.springs, *self.hinges)
         for part in (*parts, *self.bearings):
             used += [part.body, part.base]
@@ -345,6 +347,21 @@ class Structure(Sourced):
         if faults:
             raise ValueError("; ".join(faults))
         return self
+
+    def _device_faults(self, lines: Sequence[str]) -> list[str]:
+        """Return faults of the names of devices and of the lines that they are parallel to."""
+        names = [device.name for device in self.devices]
+        duplicates = dict.fromkeys(name for name in names if names.count(name) > 1)
+        faults = [f'two devices are called "{name}"' for name in duplicates]
+        for number, device in enumerate(self.devices):
+            if device.line is not None and device.line not in lines:
+                faults.append(
+                    f'devices[{number}].line: no bearing line is called "{device.line}"'
+                    f"{nearest(device.line, lines)}"
+                )
+            if device.body is not None and device.body == (device.base or GROUND):
+                faults.append(f'devices[{number}]: connects "{device.body}" with itself')
+        return faults
 
     @model_validator(mode="after")
     def _plan_is_complete(self) -> "Structure":
@@ -368,7 +385,7 @@ class Structure(Sourced):
 
     def _parts(self) -> dict[str, Sequence["_Part"]]:
         """Return bodies, masses and connections by their keys."""
-        keys = ("bodies", "masses", "springs", "hinges", "bearings")
+        keys = ("bodies", "masses", "springs", "hinges", "bearings", "devices")
         return {key: getattr(self, key) for key in keys}
 
     def _one_point(self, body: Body) -> list[str]:
@@ -397,8 +414,16 @@ class Structure(Sourced):
         body = self.body(name)
         return _point(body, self.place(body.on or GROUND))
 
-    def point(self, part: Mass | Spring | BearingLine) -> tuple[float, float]:
+    def line(self, name: str) -> BearingLine:
+        """Return the bearing line of that name."""
+        return next(line for line in self.bearings if line.name == name)
+
+    def point(self, part: Mass | Spring | BearingLine | DeviceTable) -> tuple[float, float]:
         """Return where a part is in plan, x and y [mm]."""
+        if isinstance(part, DeviceTable):
+            if part.line is not None:
+                return self.point(self.line(part.line))
+            return _point(part, self.place(part.body or GROUND))
         carrier = part.base if isinstance(part, BearingLine) else GROUND
         return _point(part, self.place(part.body if carrier == GROUND else carrier))
 
@@ -603,11 +628,25 @@ def along(structure: Structure, direction: Direction) -> Structure:
     name = f"{structure.name} (along {direction})"[:60]
     changes: dict[str, object] = {"plan": None, "name": name}
     for where, items in structure._parts().items():
+        if where == "devices":
+            continue
         kept = [part for part in items if getattr(part, "direction", None) in (None, direction)]
         changes[where] = type(getattr(structure, where))(_in_line(part, direction) for part in kept)
-    parts = "springs[", "hinges["
+    changes["devices"] = tuple(_turned(structure.devices, direction))
+    parts = "springs[", "hinges[", "devices["
     texts = {key: text for key, text in structure.sources.items() if not key.startswith(parts)}
     return structure.model_copy(update=changes).with_sources(texts)
+
+
+def _turned(devices: Sequence[AnyDevice], direction: Direction) -> list[AnyDevice]:
+    """Return the devices that act in a direction, with angles from it."""
+    turn = 0.0 if direction == "x" else 0.5 * math.pi
+    kept: list[AnyDevice] = []
+    for device in devices:
+        angle = None if device.in_both_directions else (device.angle or 0.0) - turn
+        if angle is None or abs(math.cos(angle)) > ACROSS:
+            kept.append(device.model_copy(update={"x": None, "y": None, "angle": angle}))
+    return kept
 
 
 def _in_line(part: _Part, direction: Direction) -> _Part:

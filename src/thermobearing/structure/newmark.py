@@ -35,10 +35,12 @@ from thermobearing.structure.forces import (
     Bearings,
     add_energies,
     begin_bearings,
+    begin_devices,
     commit,
     keep_motion,
     keep_sections,
     less_axial,
+    move_devices,
     press_sections,
     restoring,
     set_stretches,
@@ -146,6 +148,8 @@ def residual(
         points[i].predicted_v = points[i].v + dt * (
             (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
+    if len(system.devices.devices) > 0:
+        move_devices(system, motion, by_v)
     weighted_square, limit = 0.0, 0.0
     for i in range(n):
         r = dot(system.load[i], ground) - points[i].trial_restoring
@@ -189,6 +193,8 @@ def _newmark_step(
     for i in range(n):
         points[i].trial = points[i].q + dt * points[i].v + 0.5 * dt * dt * points[i].a
     begin_bearings(system, bearings)
+    if len(system.devices.devices) > 0:
+        begin_devices(system, motion, ambient)
     # The prediction has the acceleration of the start.
     outcome, converged = COMPLETED, False
     for _ in range(scheme.iterations):

@@ -19,6 +19,8 @@ from thermobearing.model.outcomes import (
     NOT_PHYSICAL,
     is_physical,
 )
+from thermobearing.structure.connections.model import build_devices
+from thermobearing.structure.connections.takeda import straight_hinges
 from thermobearing.structure.forces import Bearing, Bearings, build_bearings, keep_motion
 from thermobearing.structure.matrices import (
     Matrices,
@@ -41,7 +43,6 @@ from thermobearing.structure.model import (
 )
 from thermobearing.structure.newmark import newmark_march, plane_march, start_motion
 from thermobearing.structure.predictor import predictor_march
-from thermobearing.structure.takeda import straight_hinges
 from thermobearing.structure.types import (
     DIVERGED,
     MEASURE,
@@ -50,6 +51,9 @@ from thermobearing.structure.types import (
     Actuators,
     Bend,
     Coordinate,
+    DevicePeak,
+    DeviceResponse,
+    Devices,
     Hinge,
     HingePeak,
     LineFactors,
@@ -79,6 +83,7 @@ GAMMA = 0.5
 TOLERANCE = 1e-10  # of the largest inertia force
 ITERATIONS = 15
 HALVINGS = 8
+NO_VELOCITY = "not for a structure with devices, whose forces need the velocity of the step"
 SPECIMEN_LOST = "specimen_lost"
 FORCE_LIMIT = "force_limit"
 DISPLACEMENT_LIMIT = "displacement_limit"
@@ -164,6 +169,11 @@ class StructureHistory:
     substeps: int = 0
     note: str = ""  # a warning of the specimen
     axial: AxialHistory | None = None  # where axial forces act
+    device_peaks: Any = ()  # [d] records of DevicePeak
+
+    def device(self, number: int = 0) -> Rows[DeviceResponse]:
+        """Return stretch, force and energies of a device."""
+        return self.rows.devices[:, number]
 
     def bearing(self, line: int = 0) -> Rows[BearingResponse]:
         """Return the energies and forces of the modelled bearing of a line."""
@@ -346,7 +356,20 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
         hinges=hinges,
         line_rows=np.ascontiguousarray(matrices.line_rows),
         lines=factors,
+        devices=_build_devices(prepared, lines),
     )
+
+
+def _build_devices(prepared: Prepared, lines: Sequence[Line]) -> Devices:
+    """Return the devices, in the air of the lines that they are parallel to."""
+    structure = prepared.structure
+    warmer = {
+        bearing_line.name: line.warmer
+        for bearing_line, line in zip(structure.bearings, lines, strict=True)
+    }
+    air = [warmer.get(device.line or "", 0.0) for device in structure.devices]
+    rows_of_devices = np.ascontiguousarray(prepared.matrices.device_rows)
+    return Devices(rows_of_devices, *build_devices(structure.devices, air))
 
 
 def start_arguments(prepared: Prepared, lines: Sequence[Line]) -> tuple[Any, ...]:
@@ -362,7 +385,7 @@ def start_arguments(prepared: Prepared, lines: Sequence[Line]) -> tuple[Any, ...
 
 def new_motion(system: System) -> Motion:
     """Return a structure at rest, its hinges never bent."""
-    n = len(system.load)
+    n, d, components = len(system.load), len(system.devices.devices), system.load.ndim
     return Motion(
         points=rows(Coordinate, n),
         unknowns=np.zeros(n),
@@ -372,6 +395,9 @@ def new_motion(system: System) -> Motion:
         trial_hinges=straight_hinges(system.hinges),
         stretches=np.zeros((len(system.lines), *system.load.shape[1:])),
         energies=rows(MotionEnergies, 1),
+        devices=rows(DeviceResponse, d, components=components),
+        trial_devices=rows(DeviceResponse, d, components=components),
+        device_peaks=rows(DevicePeak, d, components=components),
     )
 
 
@@ -398,6 +424,7 @@ def room_for(
         a=np.empty((count, n)),
         hinges=unset(Bend, count, len(system.hinges)),
         bearings=unset(BearingResponse, count, len(system.lines), components=components),
+        devices=unset(DeviceResponse, count, len(system.devices.devices), components=components),
         layers=tuple(
             np.empty((count, len(kind.lines), len(kind.constants.multiplicity)))
             for kind in bearings
@@ -591,6 +618,8 @@ def run_structure(
     system = build_system(prepared, lines)
     if method == "predictor-corrector" and system.load.ndim > 1:
         raise ValueError("predictor-corrector: not for a structure in plan")
+    if method == "predictor-corrector" and len(prepared.structure.devices):
+        raise ValueError(f"predictor-corrector: {NO_VELOCITY}")
     motion = new_motion(system)
     bearings = build_bearings(*start_arguments(prepared, lines))
     steps = len(ground) - 1
@@ -629,6 +658,7 @@ def run_structure(
         iterations=int(energies.iterations),
         substeps=int(energies.substeps),
         axial=_axial_history(sections, kept),
+        device_peaks=motion.device_peaks,
     )
 
 

@@ -21,6 +21,11 @@ MEASURE: Final = 22  # the march waits for a force from outside
 
 FARTHEST: Final = 1e9  # a coordinate beyond this has diverged [mm or rad]
 
+# Kinds of devices.
+DAMPER: Final = 0
+SLIDER: Final = 1
+GAP: Final = 2
+
 # Columns of HingeState.sides.
 ABOVE: Final = 0  # positive rotations
 BELOW: Final = 1
@@ -48,6 +53,44 @@ class Side:
     farthest: float  # rotation so far, with its sign; at least the yield rotation
     turned: float  # rotation and moment where it last turned back
     turned_moment: float
+
+
+class Device:
+    """Numbers of a device parallel to bearings, of one or several side by side."""
+
+    kind: int  # DAMPER, SLIDER or GAP
+    damping: float  # c of a damper [kN (s/mm)^exponent]
+    exponent: float
+    heat_capacity: float  # of its oil [kN mm/K]; 0: the oil keeps its temperature
+    warmer: float  # the air around it than that of the run [K]
+    friction: float  # of a fast slider [kN]
+    slow_friction: float  # as the velocity goes to zero [kN]
+    rate: float  # of the velocity dependence [s/mm]
+    stiffness: float  # of a slider before it slides, or of a gap in contact [kN/mm]
+    gap: float  # opening [mm]
+    closes_above: float  # 1 if it closes at a positive stretch, else 0
+    closes_below: float
+    dissipation: float  # lambda of a gap [s/mm]
+
+
+class DeviceResponse:
+    """The results of a device; in plan along its axis first. Works are those since the start."""
+
+    stretch: Annotated[Vector, "mm", "displacement of the body of the device less its base's"]
+    velocity: Annotated[Vector, "mm/s", "velocity of the stretch"]
+    force: Annotated[Vector, "kN", "force of the device, positive with positive stretch"]
+    work: Annotated[float, "kN mm", "work done on the device"]
+    stored: Annotated[float, "kN mm", "energy that the device gives back"]
+    heated: Annotated[float, "K", "temperature of the oil above that of the air"]
+    factor: Annotated[float, "1", "factor of the temperature of the oil, in this step"]
+
+
+class DevicePeak:
+    """Largest numbers of a device, either way."""
+
+    stroke: Peak  # [mm]
+    velocity: Peak  # [mm/s]
+    force: Peak  # [kN]
 
 
 class LineFactors:
@@ -88,6 +131,9 @@ class MotionEnergies:
     springs: Annotated[float, "kN mm", "energy stored in linear springs now"]
     hinges: Annotated[float, "kN mm", "work done on hinges, partly recoverable"]
     bearings: Annotated[float, "kN mm", "work done on bearings, as the structure feels it"]
+    dampers: Annotated[float, "kN mm", "work done on viscous dampers"]
+    sliders: Annotated[float, "kN mm", "work done on friction sliders, partly recoverable"]
+    gaps: Annotated[float, "kN mm", "work done on closed gaps, partly recoverable"]
     iterations: Annotated[float, "1", "iterations of Newton's method"]
     substeps: Annotated[float, "1", "halvings of a step"]
 
@@ -205,6 +251,23 @@ NO_SECTIONS: Final = Sections(
 )
 
 
+class Devices(NamedTuple):
+    """The devices parallel to bearings; all empty without one."""
+
+    rows: Vectors  # [d, n] stretch of a device per coordinate
+    devices: Rows[Device]  # [d]
+    temperatures: Floats  # [d, k] of the oil of dampers [degC], rising
+    factors: Floats  # [d, k] of their force at these temperatures
+
+
+NO_DEVICES: Final = Devices(
+    rows=np.zeros((0, 0)),
+    devices=rows(Device, 0),
+    temperatures=np.zeros((0, 1)),
+    factors=np.zeros((0, 1)),
+)
+
+
 class System(NamedTuple):
     """A structure, without its bearings' insides."""
 
@@ -217,6 +280,7 @@ class System(NamedTuple):
     line_rows: Vectors  # [b, n] stretch of a bearing line per coordinate
     lines: Rows[LineFactors]  # [b]
     sections: Sections = NO_SECTIONS
+    devices: Devices = NO_DEVICES
 
 
 class HingeState(NamedTuple):
@@ -237,6 +301,9 @@ class Motion(NamedTuple):
     trial_hinges: HingeState
     stretches: Vectors  # [b] of the bearing lines at the trial [mm]
     energies: Rows[MotionEnergies]  # [1]
+    devices: Rows[DeviceResponse]  # [d]
+    trial_devices: Rows[DeviceResponse]  # [d]
+    device_peaks: Rows[DevicePeak]  # [d]
 
 
 class Scheme(NamedTuple):
@@ -315,6 +382,7 @@ class MotionRows(NamedTuple):
     a: Floats
     hinges: Rows[Bend]  # [rows, h]
     bearings: Rows[BearingResponse]  # [rows, b]
+    devices: Rows[DeviceResponse]  # [rows, d]
     layers: tuple[Floats, ...]  # [kinds] of [rows, m, L]: temperatures at mid-thickness [degC]
     # [kinds] of [rows, m, N]: temperatures of the cells [degC], no columns if they are not kept
     cells: tuple[NDArray[np.float32], ...]
@@ -329,6 +397,7 @@ class MotionRows(NamedTuple):
             self.a[selection],
             self.hinges[selection],
             self.bearings[selection],
+            self.devices[selection],
             tuple(layers[selection] for layers in self.layers),
             tuple(cells[selection] for cells in self.cells),
         )

@@ -24,10 +24,11 @@ KERNELS = (
     "model/lead_impedance.py",
     "motions/spectrum.py",
     "results/loop.py",
+    "structure/connections/devices.py",
+    "structure/connections/takeda.py",
     "structure/forces.py",
     "structure/newmark.py",
     "structure/predictor.py",
-    "structure/takeda.py",
     "structure/types.py",
     "structure/vertical.py",
 )

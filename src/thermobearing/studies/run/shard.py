@@ -188,6 +188,10 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     bearings, lines = _named(peaks.bearings), _named(peaks.lines)
     bearing, energies = bearings[task.reported_line], _named(peaks.energies)[0]
     *piers, deck = _named(peaks.watches)
+    present = [
+        *measures.STRUCTURE_ENERGIES,
+        *measures.device_energies(task.case.structure),
+    ]
     line_measures = [
         {
             "line_displacement_max": peak["displacement"],
@@ -215,7 +219,7 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         "deck_acceleration_max": deck["acceleration"] / measures.MM_PER_M,
         "layer_force_mismatch_max": lines[task.reported_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
-        **{f"energy_{name}": energies[name] for name in measures.STRUCTURE_ENERGIES},
+        **{f"energy_{name}": energies[name] for name in present},
         **{f"heat_{name}": bearing[name] for name in measures.BEARING},
     }
 

@@ -1,0 +1,1 @@
+"""What connects bodies besides bearings: hinges that yield, and devices."""

@@ -1,0 +1,311 @@
+"""Devices parallel to bearings: exact solutions, an integrator of another kind, OpenSees, energy."""
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
+
+from tests import tolerances as tol
+from tests.opensees import analyse, needs_opensees, ops
+from tests.verification.structures import (
+    AMBIENT,
+    energy_residual,
+    exact_linear,
+    linear_bearing,
+    read_ground,
+    real_bearing,
+    shaken,
+)
+from thermobearing.core.types import Floats
+from thermobearing.structure.connections.devices import SMOOTHED
+from thermobearing.structure.connections.model import relative_dissipation
+from thermobearing.structure.lanes import Run, run_lanes, run_peaks
+from thermobearing.structure.model import Structure, along, load_structure
+from thermobearing.structure.run import Line, StructureHistory, prepare_structure
+
+MASS, SPRING = 0.4, 4.0  # kN s2/mm, kN/mm: 2 s
+WEAK = 1e-6  # kN/mm: a bearing that holds nothing
+DT = 0.005
+DAMPER = {"kind": "damper", "name": "D", "line": "L", "force": 300.0, "exponent": 0.3}
+SLIDER = {"kind": "slider", "name": "S", "line": "L", "normal_force": 3000.0, "friction": 0.06}
+FASTER = SLIDER | {"slow_friction": 0.02, "friction_rate": 0.02}
+GAP = {"kind": "gap", "name": "G", "line": "L", "gap": 60.0, "stiffness": 60.0}
+DULL = GAP | {"restitution": 0.6, "closing_speed": 300.0}
+ALL = [DAMPER, FASTER, DULL]
+
+
+def deck(*devices: dict[str, Any], spring: float = SPRING, plan: bool = False) -> Structure:
+    """A mass on a bearing line, with devices beside it."""
+    table = {
+        "name": "deck",
+        "plan": plan or None,
+        "bodies": [{"name": "deck", "moves": True}],
+        "masses": [{"body": "deck", "height": 0.0, "mass": MASS}],
+        "bearings": [{"name": "L", "body": "deck", "count": 1, "equivalent_stiffness": spring}],
+        "damping": {"kind": "none"},
+        "report": {"deck": "deck"},
+        "devices": list(devices),
+    }
+    return Structure(**table)
+
+
+def shaken_deck(
+    *devices: dict[str, Any], ground: Floats, dt: float = DT, spring: float = SPRING
+) -> StructureHistory:
+    structure = deck(*devices, spring=spring)
+    _, history = shaken(structure, linear_bearing(spring), ground, dt)
+    assert (history.outcome, history.steps) == ("completed", len(ground) - 1)
+    return history
+
+
+def smooth_ground(dt: float, duration: float = 10.0) -> Floats:
+    time = dt * np.arange(round(duration / dt) + 1)
+    return np.asarray(1500.0 * np.sin(3.0 * time) * np.sin(np.pi * time / duration) ** 2)
+
+
+def pushed(speed: float, dt: float, duration: float, push: float = 0.1) -> Floats:
+    """A ground whose push leaves a free mass with a velocity relative to it [mm/s]."""
+    time = dt * np.arange(round(duration / dt) + 1)
+    pulse = np.where(time < push, -(np.sin(np.pi * time / push) ** 2), 0.0)
+    return np.asarray(2.0 * speed / push * pulse)
+
+
+def test_linear_damper_is_exact_with_second_order() -> None:
+    linear = DAMPER | {"exponent": 1.0}
+    errors = []
+    for dt in (0.01, 0.005, 0.0025):
+        ground = smooth_ground(dt)
+        prepared, history = shaken(deck(linear), linear_bearing(SPRING), ground, dt)
+        damped = dataclasses.replace(prepared, damping=np.array([[0.3]]))
+        exact = exact_linear(damped, np.array([[SPRING]]), ground, dt)
+        errors.append(np.abs(history.rows.q[:, 0] - exact).max() / np.abs(exact).max())
+    assert errors[0] < 1e-3
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert_allclose(orders, 2.0, atol=tol.ORDER)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 1.7])
+def test_damper_follows_another_integrator(exponent: float) -> None:
+    dt = 0.002
+    ground = smooth_ground(dt)
+    history = shaken_deck(DAMPER | {"exponent": exponent}, ground=ground, dt=dt)
+    time = dt * np.arange(len(ground))
+
+    def rates(t: float, state: Floats) -> list[float]:
+        x, v = state
+        force = 300.0 * math.copysign(abs(v / 1000.0) ** exponent, v)
+        pushed_by = float(np.interp(t, time, ground))
+        return [v, -pushed_by - (SPRING * x + force) / MASS]
+
+    options: Any = {"rtol": 1e-8, "atol": 1e-6, "method": "LSODA", "max_step": dt}
+    known = solve_ivp(rates, (0.0, time[-1]), [0.0, 0.0], t_eval=time, **options)
+    largest = np.abs(known.y[0]).max()
+    assert np.abs(history.rows.q[:, 0] - known.y[0]).max() < 1e-3 * largest
+
+
+def test_oil_factor_and_warming() -> None:
+    table = {"temperatures": [-40.0, 0.0, 40.0], "factors": [1.8, 1.2, 1.0]}
+    ground = smooth_ground(DT)
+    cold = shaken_deck(DAMPER | table, ground=ground)  # at -20 degC
+    same = shaken_deck(DAMPER | {"force": 450.0}, ground=ground)
+    assert_allclose(cold.rows.q, same.rows.q, rtol=1e-12, atol=1e-9)
+    capacity = 2000.0  # kN mm/K
+    warming = shaken_deck(DAMPER | table | {"heat_capacity": capacity}, ground=ground)
+    response = warming.device()
+    assert_allclose(response["heated"], response["work"] / capacity)
+    assert response["heated"][-1] > 10.0
+    oil = AMBIENT + response["heated"][:-1]
+    assert_allclose(response["factor"][1:], np.interp(oil, [-40.0, 0.0, 40.0], [1.8, 1.2, 1.0]))
+
+
+def test_block_slides_as_newmark_says() -> None:
+    dt, acceleration, duration = 0.002, 3000.0, 0.4
+    friction = 0.06 * 3000.0 / MASS  # mm/s2: below the acceleration of the ground
+    ground = np.zeros(1501)
+    ground[1 : round(duration / dt) + 1] = -acceleration
+    slider = SLIDER | {"elastic_displacement": 0.001}
+    history = shaken_deck(slider, ground=ground, dt=dt, spring=WEAK)
+    # The ramps at both ends of the pulse together last one step.
+    speed = (acceleration - friction) * duration
+    known = 0.5 * speed * duration + speed**2 / (2.0 * friction)
+    assert history.rows.q[-1, 0] == pytest.approx(known, rel=2e-3)
+    assert history.device_peaks["force"][0] == pytest.approx(180.0, rel=1e-12)
+
+
+def test_friction_depends_on_the_velocity() -> None:
+    history = shaken_deck(FASTER, ground=read_ground("jra-ii-i-1", DT, 15.0))
+    response = history.device()
+    speed = np.abs(response["velocity"])
+    limit = 3000.0 * (0.06 - 0.04 * np.exp(-0.02 * speed))
+    assert (np.abs(response["force"]) <= limit * (1.0 + 1e-12)).all()
+    slides = np.abs(response["force"]) >= limit * (1.0 - 1e-9)
+    assert slides.mean() > 0.5
+    assert np.abs(response["force"]).max() > 0.055 * 3000.0
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("restitution", [None, 0.6, 0.3])
+def test_bounce_is_exact(side: float, restitution: float | None) -> None:
+    dt, speed = 1e-3, 300.0
+    gap = GAP | {"sides": "positive" if side > 0.0 else "negative"}
+    if restitution is not None:
+        gap |= {"restitution": restitution, "closing_speed": speed}
+    ground = side * pushed(speed, dt, 0.6)
+    history = shaken_deck(gap, ground=ground, dt=dt, spring=WEAK)
+    v = history.rows.v[:, 0]
+    before = v[120]  # at 0.12 s, before the impact at about 0.25 s
+    assert before == pytest.approx(side * speed, rel=1e-4)
+    assert v[-1] == pytest.approx(-before * (restitution or 1.0), rel=2e-4)
+    if restitution is None:
+        deepest = np.abs(history.rows.q).max() - 60.0
+        assert deepest == pytest.approx(speed * math.sqrt(MASS / 60.0), rel=1e-5)
+    # A gap that closes on the other side is not there.
+    free = shaken_deck(gap, ground=-ground, dt=dt, spring=WEAK)
+    assert free.device_peaks["force"][0] == 0.0
+
+
+def test_bounce_loses_more_when_it_is_faster() -> None:
+    a = relative_dissipation(0.6)
+    assert a - math.log1p(a) == pytest.approx(-0.6 * a - math.log1p(-0.6 * a), rel=1e-9)
+
+
+@pytest.mark.parametrize("devices", [[DAMPER], [FASTER], [GAP], [DULL], ALL])
+def test_energy_balance(devices: list[dict[str, Any]]) -> None:
+    history = shaken_deck(*devices, ground=read_ground("jra-ii-i-1", DT, 20.0))
+    assert energy_residual(history) < 1e-9
+    energies = history.rows.energies[-1]
+    works = {"damper": energies.dampers, "slider": energies.sliders, "gap": energies.gaps}
+    for number, table in enumerate(devices):
+        response = history.device(number)
+        works[table["kind"]] -= response["work"][-1]
+        lost = response["work"] - response["stored"]
+        # The step in which a gap closes has no force at its start: 2e-3 at 5 ms.
+        assert lost.min() > -5e-3 * max(response["work"].max(), 1.0)
+        assert response["work"].max() > 0.0
+    assert_allclose(list(works.values()), 0.0, atol=1e-9 * energies.input)
+
+
+@pytest.mark.parametrize("device", [DAMPER, FASTER, DULL])
+def test_turned_in_plan(device: dict[str, Any]) -> None:
+    ground = read_ground("jra-ii-i-1", DT, 8.0)
+    line = shaken_deck(device, ground=ground)
+    angle = 0.6
+    axis = np.array([math.cos(angle), math.sin(angle)])
+    turned = device if device["kind"] == "slider" else device | {"angle": angle}
+    pair = ground[:, None] * axis
+    _, plan = shaken(deck(turned, plan=True), linear_bearing(SPRING), pair, DT)
+    largest = np.abs(line.rows.q).max()
+    assert np.abs(plan.rows.q - line.rows.q * axis).max() < 1e-9 * largest
+    assert energy_residual(plan) < 1e-9
+    if device["kind"] != "slider":
+        peaks: Any = plan.device_peaks
+        assert peaks["force"][0, 0] == pytest.approx(line.device_peaks["force"][0], rel=1e-9)
+        single = along(deck(turned, plan=True), "y")
+        assert single.devices[0].angle == pytest.approx(angle - 0.5 * math.pi)
+        across, _ = shaken(single, linear_bearing(SPRING), ground, DT)
+        assert_allclose(across.matrices.device_rows, [[math.sin(angle)]])
+
+
+def test_slider_resists_in_the_direction_of_its_motion() -> None:
+    time = 0.002 * np.arange(4001)
+    pair = 1500.0 * np.stack([np.sin(3.0 * time), np.sin(3.0 * time + 1.0)], axis=1)
+    pair *= np.minimum(time / 2.0, 1.0)[:, None]
+    structure = deck(SLIDER, plan=True)
+    _, history = shaken(structure, linear_bearing(SPRING), pair, 0.002)
+    response = history.device()
+    force, velocity = response["force"][2000:], response["velocity"][2000:]
+    assert_allclose(np.linalg.norm(force, axis=1), 180.0, rtol=1e-9)
+    speeds = np.linalg.norm(velocity, axis=1)
+    cosine = (force * velocity).sum(axis=1) / (180.0 * speeds)
+    assert cosine.min() > 0.999
+
+
+@pytest.mark.parametrize("plan", [False, True])
+def test_lockstep_is_each_alone(plan: bool) -> None:
+    runs = []
+    constants = linear_bearing(SPRING)
+    line = Line(constants, np.full(len(constants.cells.capacity), AMBIENT))
+    for size in (0.5, 1.0, 1.5):
+        ground = size * read_ground("jra-ii-i-1", DT, 4.0)
+        prepared = prepare_structure(
+            deck(DAMPER | {"force": 200.0 * size}, FASTER, DULL, plan=plan)
+        )
+        ground = np.stack([ground, 0.5 * ground], axis=-1) if plan else ground
+        runs.append(Run(prepared, [line], ground, DT, AMBIENT))
+    for run, found in zip(runs, run_lanes(runs), strict=True):
+        known = run_peaks(run)
+        assert not found.alone
+        for name in ("stroke", "velocity", "force"):
+            largest = np.abs(known.devices[name]).max()
+            assert_allclose(found.devices[name], known.devices[name], atol=1e-9 * largest)
+        for name in ("dampers", "sliders", "gaps", "bearings"):
+            energy = known.energies["input"][0]
+            assert_allclose(found.energies[name], known.energies[name], atol=1e-9 * energy)
+
+
+def test_pier_with_devices_and_a_real_bearing() -> None:
+    structure = load_structure("pier-p1")
+    devices = [{**device, "line": "G1-G5"} for device in ALL]
+    table = structure.model_dump(exclude_unset=True) | {"devices": devices}
+    with_devices = Structure(**table)
+    bearing, ground = real_bearing("lrb-example"), read_ground("jra-ii-i-1", DT, 12.0)
+    _, plain = shaken(structure, bearing, ground, DT)
+    _, history = shaken(with_devices, bearing, ground, DT)
+    assert history.outcome == "completed"
+    assert energy_residual(history) < 1e-9
+    drift = [np.abs(run.bearing()["displacement"]).max() for run in (plain, history)]
+    assert drift[1] < 0.95 * drift[0]
+
+
+def _in_opensees(material: list[Any], ground: Floats, dt: float) -> Floats:
+    """Displacements of the same mass on its spring, with a device of OpenSees beside it."""
+    ops.wipe()
+    ops.model("basic", "-ndm", 1, "-ndf", 1)
+    ops.node(1, 0.0)
+    ops.node(2, 0.0)
+    ops.fix(1, 1)
+    ops.mass(2, MASS)
+    ops.uniaxialMaterial("Elastic", 1, SPRING)
+    ops.element("zeroLength", 1, 1, 2, "-mat", 1, "-dir", 1)
+    for number, entry in enumerate(material, 2):
+        ops.uniaxialMaterial(entry[0], number, *entry[1:])
+        ops.element("zeroLength", number, 1, 2, "-mat", number, "-dir", 1)
+    ops.timeSeries("Path", 1, "-dt", dt, "-values", *ground, ground[-1])
+    ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
+    analyse(tolerance=1e-8, most=200)
+    places = [0.0]
+    for _ in range(len(ground) - 1):
+        if ops.analyze(1, dt) != 0:
+            ops.algorithm("KrylovNewton")
+            assert ops.analyze(1, dt) == 0
+            ops.algorithm("Newton")
+        places.append(ops.nodeDisp(2, 1))
+    return np.array(places)
+
+
+# Its Newton finds no equilibrium with Viscous of exponent 0.3; ViscousDamper has a spring in series.
+COMPARED: dict[str, tuple[dict[str, Any], list[list[Any]], float]] = {
+    "Viscous": (DAMPER | {"exponent": 0.7}, [["Viscous", 300.0 / 1e3**0.7, 0.7, SMOOTHED]], 1e-4),
+    "ViscousDamper": (DAMPER, [["ViscousDamper", 1e4, 300.0 / 1e3**0.3, 0.3]], 5e-3),
+    "Steel01": (SLIDER, [["Steel01", 180.0, 900.0, 0.0]], 1e-9),
+    "ElasticPPGap": (
+        GAP,
+        [["ElasticPPGap", 60.0, 1e9, 60.0], ["ElasticPPGap", 60.0, -1e9, -60.0]],
+        1e-9,
+    ),
+}
+
+
+@needs_opensees
+@pytest.mark.parametrize("name", list(COMPARED))
+def test_opensees_has_the_same_device(name: str) -> None:
+    device, material, tolerance = COMPARED[name]
+    dt = 0.002
+    ground = read_ground("jra-ii-i-1", dt, 20.0)
+    found = shaken_deck(device, ground=ground, dt=dt).rows.q[:, 0]
+    known = _in_opensees(material, ground, dt)
+    assert np.abs(found - known).max() < tolerance * np.abs(known).max()
