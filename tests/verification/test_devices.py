@@ -1,7 +1,9 @@
-"""Devices parallel to bearings: exact solutions, an integrator of another kind, OpenSees, energy."""
+"""Devices parallel to bearings: exact solutions, another integrator, OpenSees, energy."""
 
 import dataclasses
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
+import thermobearing as tb
 from tests import tolerances as tol
 from tests.opensees import analyse, needs_opensees, ops
 from tests.verification.structures import (
@@ -20,6 +23,7 @@ from tests.verification.structures import (
     real_bearing,
     shaken,
 )
+from thermobearing.border.errors import InputError
 from thermobearing.core.types import Floats
 from thermobearing.structure.connections.devices import SMOOTHED
 from thermobearing.structure.connections.model import relative_dissipation
@@ -39,7 +43,7 @@ ALL = [DAMPER, FASTER, DULL]
 
 
 def deck(*devices: dict[str, Any], spring: float = SPRING, plan: bool = False) -> Structure:
-    """A mass on a bearing line, with devices beside it."""
+    """A mass on a bearing line, with devices parallel to it."""
     table = {
         "name": "deck",
         "plan": plan or None,
@@ -262,7 +266,7 @@ def test_pier_with_devices_and_a_real_bearing() -> None:
 
 
 def _in_opensees(material: list[Any], ground: Floats, dt: float) -> Floats:
-    """Displacements of the same mass on its spring, with a device of OpenSees beside it."""
+    """Displacements of the same mass on its spring, with a device of OpenSees parallel to it."""
     ops.wipe()
     ops.model("basic", "-ndm", 1, "-ndf", 1)
     ops.node(1, 0.0)
@@ -287,7 +291,8 @@ def _in_opensees(material: list[Any], ground: Floats, dt: float) -> Floats:
     return np.array(places)
 
 
-# Its Newton finds no equilibrium with Viscous of exponent 0.3; ViscousDamper has a spring in series.
+# Its Newton finds no equilibrium with Viscous of exponent 0.3; ViscousDamper has a spring in
+# series.
 COMPARED: dict[str, tuple[dict[str, Any], list[list[Any]], float]] = {
     "Viscous": (DAMPER | {"exponent": 0.7}, [["Viscous", 300.0 / 1e3**0.7, 0.7, SMOOTHED]], 1e-4),
     "ViscousDamper": (DAMPER, [["ViscousDamper", 1e4, 300.0 / 1e3**0.3, 0.3]], 5e-3),
@@ -309,3 +314,114 @@ def test_opensees_has_the_same_device(name: str) -> None:
     found = shaken_deck(device, ground=ground, dt=dt).rows.q[:, 0]
     known = _in_opensees(material, ground, dt)
     assert np.abs(found - known).max() < tolerance * np.abs(known).max()
+
+
+# --- P-delta ---------------------------------------------------------------------------------
+HEIGHT, TOP_MASS, LOAD, TURN = 8000.0, 0.2, 12_000.0, 5e8  # mm, kN s2/mm, kN, kN mm/rad
+
+
+def pier(
+    *, p_delta: bool, load: float = LOAD, bearing: float = 4.0, plan: bool = False
+) -> Structure:
+    """A rigid pier on an elastic hinge, with a deck on bearings on its top."""
+    axial = {"dead_load": load}
+    line = {"name": "L", "body": "deck", "base": "pier", "height": HEIGHT, "count": 1}
+    table = {
+        "name": "pier",
+        "plan": plan or None,
+        "p_delta": p_delta,
+        "bodies": [
+            {"name": "deck", "moves": True, "base_height": HEIGHT},
+            {"name": "pier", "on": "ground", "rotates": True},
+        ],
+        "masses": [
+            {"body": "deck", "height": HEIGHT, "mass": MASS},
+            {"body": "pier", "height": HEIGHT, "mass": TOP_MASS},
+        ],
+        "springs": [{"name": "base", "body": "pier", "rotational_stiffness": TURN}],
+        "bearings": [line | {"equivalent_stiffness": bearing, "axial": axial}],
+        "damping": {"kind": "none"},
+        "report": {"deck": "deck", "pier": "pier", "pier_top": HEIGHT},
+    }
+    return Structure(**table)
+
+
+@pytest.mark.parametrize("plan", [False, True])
+def test_weights_take_stiffness(plan: bool) -> None:
+    prepared = prepare_structure(pier(p_delta=True, plan=plan))
+    weight = 9806.65 * TOP_MASS * HEIGHT
+    known = np.array([[0.0, -0.5 * LOAD], [-0.5 * LOAD, -weight]])
+    found = prepared.matrices.geometric
+    assert_allclose(found[::2, ::2] if plan else found, known, rtol=1e-12, atol=1e-6)
+    if plan:
+        assert_allclose(found[1::2, 1::2], known, rtol=1e-12, atol=1e-6)
+        assert np.abs(found[::2, 1::2]).max() == 0.0
+    assert not prepare_structure(pier(p_delta=False, plan=plan)).matrices.geometric.any()
+
+
+def test_pendulum_has_its_period() -> None:
+    """On a bearing that is nearly rigid the deck is a part of the pendulum."""
+    load = 9806.65 * MASS
+    prepared = prepare_structure(pier(p_delta=True, load=load, bearing=1e6))
+    inertia = (MASS + TOP_MASS) * HEIGHT**2
+    turning = TURN - 9806.65 * (MASS + TOP_MASS) * HEIGHT
+    assert prepared.modes.frequencies[0] == pytest.approx(math.sqrt(turning / inertia), rel=1e-4)
+    plain = prepare_structure(pier(p_delta=False, load=load, bearing=1e6))
+    assert plain.modes.frequencies[0] > 1.04 * prepared.modes.frequencies[0]
+
+
+def test_energy_with_weights() -> None:
+    ground = 0.3 * read_ground("jra-ii-i-1", DT, 15.0)
+    largest = []
+    for p_delta in (False, True):
+        _, history = shaken(pier(p_delta=p_delta), linear_bearing(4.0), ground, DT)
+        assert energy_residual(history) < 1e-9
+        largest.append(np.abs(history.rows.q[:, 1]).max())
+    assert abs(largest[1] / largest[0] - 1.0) > 0.01
+
+
+def test_weights_that_overturn_are_refused() -> None:
+    table = pier(p_delta=True).model_dump(exclude_unset=True)
+    table["masses"][1]["mass"] = 1e4
+    with pytest.raises(InputError, match="p_delta: its weights overturn"):
+        prepare_structure(Structure(**table))
+    del table["bearings"][0]["axial"]
+    with pytest.raises(InputError, match="p_delta: needs"):
+        Structure(**table)
+
+
+BAD = {
+    "no bearing line is called": DAMPER | {"line": "M"},
+    "give the line": DAMPER | {"body": "deck"},
+    "the line has it": DAMPER | {"height": 3.0},
+    "at least 0.1": DAMPER | {"exponent": 0.01},
+    "temperatures, factors": DAMPER | {"factors": [1.0, 2.0]},
+    "one for each of": DAMPER | {"factors": [1.0, 2.0], "temperatures": [0.0, 1.0, 2.0]},
+    "must rise": DAMPER | {"factors": [1.0, 2.0], "temperatures": [1.0, 1.0]},
+    "exceeds friction": FASTER | {"slow_friction": 0.5},
+    "friction_rate: give both": SLIDER | {"slow_friction": 0.02},
+    "closing_speed: give both": GAP | {"restitution": 0.5},
+    "less than 1": DULL | {"restitution": 1.0},
+    "add plan = true": GAP | {"angle": "30 deg"},
+    "with itself": {**GAP, "line": None, "body": "deck", "base": "deck"},
+    "no body is called": {**GAP, "line": None, "body": "dekc"},
+    "kind": GAP | {"kind": "spring"},
+}
+
+
+@pytest.mark.parametrize("text", list(BAD))
+def test_bad_devices_are_refused(text: str) -> None:
+    with pytest.raises(InputError, match=re.escape(text)):
+        deck(BAD[text])
+
+
+def test_two_devices_of_one_name() -> None:
+    with pytest.raises(InputError, match='two devices are called "D"'):
+        deck(DAMPER, DAMPER)
+
+
+def test_predictor_corrector_and_scripts_refuse_devices(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="predictor-corrector"):
+        shaken(deck(DAMPER), linear_bearing(SPRING), np.zeros(3), DT, method="predictor-corrector")
+    with pytest.raises(InputError, match="devices"):
+        tb.opensees.write_structure(deck(DAMPER), tmp_path / "model.py")

@@ -16,8 +16,8 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute
+from thermobearing.structure.fields import GRAVITY
 from thermobearing.structure.model import BearingLine, default_deck_height
-from thermobearing.structure.result import GRAVITY
 from thermobearing.structure.run import AxialHistory, PressedLine, StructureHistory
 from thermobearing.structure.types import SectionEnergies, SectionPeak
 

@@ -332,7 +332,7 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def devices(self) -> "pd.DataFrame":
-        """One row per run and device parallel to bearings: largest force, stroke and speed, energy."""
+        """One row per run and device: largest force, stroke and speed, energy."""
         return self._rows("devices")
 
     @cached_property

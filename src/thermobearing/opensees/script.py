@@ -449,7 +449,8 @@ def write_structure(
     Raises
     ------
     InputError
-        Not a script of Python or Tcl, another number of bearings, or faults in a file.
+        Not a script of Python or Tcl, another number of bearings, faults in a file, or a structure
+        with devices or P-delta.
     OutputError
         The file exists, or cannot be written.
 
@@ -463,6 +464,13 @@ def write_structure(
     """
     if not isinstance(structure, Structure):
         structure = load_structure(structure)
+    for key in ("devices", "p_delta"):
+        if getattr(structure, key):
+            raise InputError(
+                f"{key}: a script of OpenSees has none; omit {key} of the structure, and add it to "
+                "the script",
+                structure.name,
+            )
     target = Path(file)
     if target.suffix not in (".py", ".tcl"):
         raise InputError(f"{target}: give a script of Python, .py, or of Tcl, .tcl")

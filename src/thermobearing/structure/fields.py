@@ -5,7 +5,9 @@ from typing import Annotated
 from pydantic import Field
 
 from thermobearing.border.schema import OneLine, in_unit
+from thermobearing.border.units import parse_quantity
 
+GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 GROUND = "ground"  # what stands still; no body has this name
 Name = Annotated[str, Field(min_length=1, max_length=60), OneLine]
 Height = Annotated[float, in_unit("mm"), Field(ge=-1e6, le=1e6)]

@@ -20,7 +20,7 @@ from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.results.sums import product_in_order
 from thermobearing.structure.connections.model import DeviceTable
-from thermobearing.structure.fields import GROUND
+from thermobearing.structure.fields import GRAVITY, GROUND
 from thermobearing.structure.model import (
     DIRECTIONS,
     SOURCE_KINDS,
@@ -55,6 +55,7 @@ class Matrices:
     springs: Floats  # [n, n] stiffness of linear springs
     hinge_rows: Floats  # [h, n] rotation per coordinate of each of `list_hinges`
     line_rows: Floats  # [b, n] or [b, n, 2] stretch of each bearing line per coordinate
+    geometric: Floats  # [n, n] negative stiffness of weights; zero without P-delta
     device_rows: Floats  # [d, n] or [d, n, 2] stretch of each device, in plan along its axis first
 
 
@@ -205,7 +206,8 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     rows = np.reshape(hinges, (len(hinges), n))
     devices = [_device_row(structure, device) for device in structure.devices]
     device_rows = np.reshape(devices, (len(devices), *load.shape))
-    return Matrices(names, mass, load, springs, rows, np.array(lines), device_rows)
+    geometric = _geometric_stiffness(structure) if structure.p_delta else np.zeros((n, n))
+    return Matrices(names, mass, load, springs, rows, np.array(lines), geometric, device_rows)
 
 
 def twist_load(structure: Structure) -> tuple[Floats, float]:
@@ -273,6 +275,39 @@ def _stretch_row(structure: Structure, line: BearingLine) -> Floats:
     return row
 
 
+def _lowering(structure: Structure, name: str, height: float) -> Floats:
+    """Return the matrix [n, n] whose quadratic form is twice the lowering of a point of a body."""
+    if name == GROUND:
+        n = len(_coordinates(structure))
+        return np.zeros((n, n))
+    body = structure.body(name)
+    own = (height - body.base_height) * _square(_rotation_row(structure, name))
+    if body.on is None:
+        return np.asarray(own)
+    return np.asarray(own + _lowering(structure, body.on, body.base_height))
+
+
+def _geometric_stiffness(structure: Structure) -> Floats:
+    """Return the stiffness [n, n] of weights that rotations of bodies lower.
+
+    A mass is lowered by the rotations of its body and of those that carry it. The load P of a line
+    goes from its body to its base, and at a shear x of its bearings, each of whose ends takes the
+    moment P x/2, it is lowered by x (theta_base + theta_body)/2 too.
+    """
+    n = len(_coordinates(structure))
+    stiffness = np.zeros((n, n))
+    for item in structure.masses:
+        stiffness -= GRAVITY * item.mass * _lowering(structure, item.body, item.height)
+    for line in structure.bearings:
+        load = sum(line.axial.dead_loads(line.count)) if line.axial is not None else 0.0
+        lowering = _lowering(structure, line.base, line.height)
+        stiffness -= load * (lowering - _lowering(structure, line.body, line.height))
+        turns = _rotation_row(structure, line.base) + _rotation_row(structure, line.body)
+        shear = _stretch_row(structure, line)
+        stiffness -= 0.25 * load * (_square(shear + turns) - _square(shear - turns))
+    return stiffness
+
+
 def _device_row(structure: Structure, device: DeviceTable) -> Floats:
     """Return the stretch of a device per coordinate, in plan along its axis and across it."""
     if device.line is None:
@@ -330,17 +365,32 @@ def line_stiffness(structure: Structure, matrices: Matrices, each: Floats | None
 
 
 def total_stiffness(structure: Structure, matrices: Matrices, each: Floats | None = None) -> Floats:
-    """Return the stiffness [n, n] of springs, hinges and bearing lines.
+    """Return the stiffness [n, n] of springs, hinges, bearing lines and weights.
 
     `each` is that of ONE bearing of each line [kN/mm], by default its equivalent stiffness.
     """
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
-    return stiffness + line_stiffness(structure, matrices, each)
+    return stiffness + line_stiffness(structure, matrices, each) + matrices.geometric
 
 
 def _line_rows(matrices: Matrices) -> Floats:
     """Return the rows [b, n] of bearing lines; in plan [2 b, n], both directions of each."""
     return np.moveaxis(matrices.line_rows, 1, -1).reshape(-1, len(matrices.coordinates))
+
+
+def check_stands(structure: Structure, matrices: Matrices, stiffness: Floats) -> None:
+    """Refuse a structure that its weights overturn; `stiffness` [n, n] contains theirs."""
+    if not structure.p_delta:
+        return
+    values, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
+    stands = scipy.linalg.eigh(stiffness - matrices.geometric, matrices.mass, eigvals_only=True)
+    if values[0] < 0.0 < stands[0]:
+        share = np.diag(matrices.mass) * np.square(shapes[:, 0])
+        raise InputError(
+            f"p_delta: its weights overturn the structure; {_motion(matrices.coordinates, share)} "
+            "has less stiffness than they take; check dead_load and the masses",
+            structure.name,
+        )
 
 
 def find_modes(

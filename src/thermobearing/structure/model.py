@@ -292,10 +292,13 @@ class Structure(Sourced):
     limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
     plan : true if it moves in two directions and may twist.
+    p_delta : true if weights act on the displaced structure: those of masses of piers and footings,
+        and dead loads of lines (`axial.dead_load`) on piers and on the shear of the bearings.
     """
 
     name: Name
     plan: bool | None = None
+    p_delta: bool | None = None
     description: str = ""
     citation: str = ""
     bodies: Annotated[list[Body], Field(min_length=1, max_length=100)]
@@ -334,6 +337,19 @@ class Structure(Sourced):
                 "its top) are required, unless all bearings stand on the ground"
             )
         faults += self._device_faults(lines)
+        weightless = [line.name for line in self.bearings if line.axial is None]
+        if self.p_delta and weightless:
+            faults.append(
+                f"p_delta: needs axial.dead_load of all bearing lines; {', '.join(weightless)} "
+                f"{'has' if len(weightless) == 1 else 'have'} none"
+            )
+        wrong = [
+            line.name
+            for line in self.bearings
+            if line.axial is not None and len(line.axial.dead_load) not in (1, line.count)
+        ]
+        if self.p_delta and wrong:
+            faults.append(f"p_delta: give one dead_load, or `count` of them, in {', '.join(wrong)}")
         used = [mass.body for mass in self.masses]
         for device in self.devices:
             used += [name for name in (device.body, device.base) if name is not None]
@@ -533,6 +549,14 @@ def axial_table_faults(structure: Structure, line: BearingLine, level: str) -> l
             "the inertia above mid-height of the bearings"
         )
     return faults
+
+
+def device_ends(structure: Structure, device: DeviceTable) -> tuple[str, str, float]:
+    """Return body, base and height [mm] of a device: its own, or those of its line."""
+    if device.line is not None:
+        line = structure.line(device.line)
+        return line.body, line.base, line.height
+    return device.body or GROUND, device.base or GROUND, device.height or 0.0
 
 
 def list_hinges(structure: Structure) -> list[Hinge]:

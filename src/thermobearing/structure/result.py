@@ -14,7 +14,6 @@ from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import sourced_toml
-from thermobearing.border.units import parse_quantity
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import places_of_largest
 from thermobearing.quantities.tables import Table
@@ -22,6 +21,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.writing import write_csv
+from thermobearing.structure.fields import GRAVITY
 from thermobearing.structure.matrices import twist_load
 from thermobearing.structure.model import (
     DampingKind,
@@ -29,6 +29,7 @@ from thermobearing.structure.model import (
     MassModel,
     Spring,
     Structure,
+    device_ends,
     fixed_base,
     list_hinges,
     list_piers,
@@ -41,7 +42,6 @@ from thermobearing.structure.run import Prepared, prepare_structure
 TONNES = 1e3  # in kN s2/mm
 KN_MM_PER_KN_M = 1e3
 AT_REST = 1e-9  # share below which a coordinate or a mass rests in a mode of a structure in plan
-GRAVITY = parse_quantity("1 standard_gravity", "mm/s^2")
 
 
 def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[str]:
@@ -161,6 +161,9 @@ class StructureResult(Result):
             if line.height_across is not None:
                 size += f", across the bridge at {line.height_across:g} mm"
             rows.append(("bearings", line.name, line.body, line.base, line.height, size))
+        for device in structure.devices:
+            body, base, height = device_ends(structure, device)
+            rows.append((device.kind, device.name, body, base, height, device.describe()))
         columns = ["part", "name", "body", "base", "height_mm", "size"]
         table = pd.DataFrame(rows, columns=columns)
         if structure.plan:
@@ -175,6 +178,7 @@ class StructureResult(Result):
             *map(structure.point, structure.springs),
             *(structure.place(hinge.body) for hinge in structure.hinges),
             *map(structure.point, structure.bearings),
+            *map(structure.point, structure.devices),
         ]
 
     @property

@@ -27,6 +27,7 @@ from thermobearing.structure.matrices import (
     Modes,
     build_damping,
     build_matrices,
+    check_stands,
     displacement_row,
     find_modes,
     mode_damping,
@@ -249,6 +250,7 @@ def prepare_structure(
     matrices = build_matrices(structure, mass_model)
     # Modes and predictor count the bearings with their equivalent stiffness.
     stiffness = total_stiffness(structure, matrices)
+    check_stands(structure, matrices, stiffness)
     modes = find_modes(matrices.mass, stiffness, structure.name, matrices.coordinates)
     matrix = build_damping(structure, matrices, modes)
     ratios = mode_damping(matrix, modes)
@@ -350,7 +352,7 @@ def build_system(prepared: Prepared, lines: Sequence[Line]) -> System:
     return System(
         mass=np.ascontiguousarray(matrices.mass),
         damping=np.ascontiguousarray(prepared.damping),
-        stiffness=np.ascontiguousarray(matrices.springs),
+        stiffness=np.ascontiguousarray(matrices.springs + matrices.geometric),
         load=np.ascontiguousarray(matrices.load),
         hinge_rows=np.ascontiguousarray(matrices.hinge_rows),
         hinges=hinges,

@@ -128,7 +128,7 @@ class MotionEnergies:
     input: Annotated[float, "kN mm", "work of the ground, on motion relative to it"]
     kinetic: Annotated[float, "kN mm", "kinetic energy now"]
     damping: Annotated[float, "kN mm", "work of damping"]
-    springs: Annotated[float, "kN mm", "energy stored in linear springs now"]
+    springs: Annotated[float, "kN mm", "energy stored in linear springs now, less that of weights"]
     hinges: Annotated[float, "kN mm", "work done on hinges, partly recoverable"]
     bearings: Annotated[float, "kN mm", "work done on bearings, as the structure feels it"]
     dampers: Annotated[float, "kN mm", "work done on viscous dampers"]
@@ -273,7 +273,7 @@ class System(NamedTuple):
 
     mass: Floats  # [n, n]
     damping: Floats  # [n, n]
-    stiffness: Floats  # [n, n] of the linear springs
+    stiffness: Floats  # [n, n] of the linear springs and of weights
     load: Vectors  # [n] force on each coordinate per ground acceleration, with its sign
     hinge_rows: Floats  # [h, n] rotation of a hinge per coordinate
     hinges: Rows[Hinge]  # [h]

@@ -64,6 +64,14 @@ class DeviceTable(Strict):
         """Return temperatures of the oil [degC] and factors of the force."""
         return (0.0,), (1.0,)
 
+    def describe(self) -> str:
+        """Return number, size and axis of the device in words."""
+        axis = "" if self.angle is None else f", axis at {math.degrees(self.angle):g}°"
+        return f"{self.count} x {self._size()}{axis}"
+
+    def _size(self) -> str:
+        raise NotImplementedError
+
 
 class Damper(DeviceTable):
     """A viscous damper with a rigid brace: F = `force` (|v|/`velocity`)^`exponent`.
@@ -125,6 +133,9 @@ class Damper(DeviceTable):
         device.damping = self.count * self.force / self.velocity**self.exponent
         device.heat_capacity = self.count * (self.heat_capacity or 0.0)
 
+    def _size(self) -> str:
+        return f"{self.force:g} kN at {self.velocity:g} mm/s, exponent {self.exponent:g}"
+
     def oil(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return temperatures of the oil [degC] and factors of the force."""
         if self.temperatures is None or self.factors is None:
@@ -167,6 +178,10 @@ class Slider(DeviceTable):
             )
         return self
 
+    def _size(self) -> str:
+        slow = "" if self.slow_friction is None else f"{self.slow_friction:g} to "
+        return f"{slow}{self.friction:g} of {self.normal_force:g} kN"
+
     @property
     def in_both_directions(self) -> bool:
         """Whether it acts in both directions of a plan."""
@@ -208,6 +223,10 @@ class Gap(DeviceTable):
         if ("restitution" in values) != ("closing_speed" in values):
             faults.append("restitution, closing_speed: give both, or neither")
         return faults
+
+    def _size(self) -> str:
+        side = "" if self.sides == "both" else f", {self.sides} side"
+        return f"{self.stiffness:g} kN/mm beyond {self.gap:g} mm{side}"
 
     def fill(self, device: Device) -> None:
         """Write the numbers of all `count` gaps together."""
