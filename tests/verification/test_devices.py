@@ -265,6 +265,29 @@ def test_pier_with_devices_and_a_real_bearing() -> None:
     assert drift[1] < 0.95 * drift[0]
 
 
+def test_bridge_has_a_row_for_each_device() -> None:
+    structure = load_structure("pier-p1")
+    oil = {"temperatures": [0.0, 40.0], "factors": [1.2, 1.0]}
+    devices = [{**device, "line": "G1-G5"} for device in (DAMPER | oil, FASTER)]
+    table = structure.model_dump(exclude_unset=True) | {"devices": devices}
+    result = tb.bridge(
+        "lrb-example", "jra-ii-i-1", [23.0, -20.0], structure=Structure(**table), duration=10
+    )
+    assert result.energy["structure_residual"].abs().max() < 1e-9
+    rows = result.devices
+    assert rows["device"].tolist() == ["D", "S"] * 2
+    assert rows["device_energy_kN_mm"].groupby(rows["device"]).sum()["D"] == pytest.approx(
+        result.energy["dampers_kN_mm"].sum()
+    )
+    assert (rows["device_stroke_mm"] > 20.0).all()
+    assert "gaps_kN_mm" not in result.energy
+    cold = result.sel(ambient=-20)
+    assert len(cold.devices) == 2
+    assert [row["device"] for row in cold.summary()["runs"][0]["devices"]] == ["D", "S"]
+    assert [text for text in result.warnings if "damper D" in text and "-20 degC" in text]
+    assert len(result.tables()["devices"]) == 4
+
+
 def _in_opensees(material: list[Any], ground: Floats, dt: float) -> Floats:
     """Displacements of the same mass on its spring, with a device of OpenSees parallel to it."""
     ops.wipe()

@@ -208,6 +208,7 @@ def _collect_warnings(
     if checks:
         messages += _incomplete_checks(histories)
     messages += axial_messages(tasks, histories)
+    messages += measures.oil_messages(tasks)
     messages += _climate_messages(case)
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
     row_tables |= exposure_attribute(factors) | state_attribute(states)

@@ -481,6 +481,22 @@ def device_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]
     return rows
 
 
+def oil_messages(tasks: Sequence["Task"]) -> list[str]:
+    """Return a sentence for each damper whose table of its oil does not reach an ambient."""
+    messages = []
+    for device in tasks[0].case.structure.devices if tasks else ():
+        temperatures, _ = device.oil()
+        ambients = sorted({task.ambient for task in tasks})
+        outside = [t for t in ambients if not temperatures[0] <= t <= temperatures[-1]]
+        if len(temperatures) > 1 and outside:
+            messages.append(
+                f"damper {device.name}: its factors are of {temperatures[0]:g} to "
+                f"{temperatures[-1]:g} degC, and are constant beyond; there are runs at "
+                f"{', '.join(f'{t:g}' for t in outside)} degC"
+            )
+    return messages
+
+
 def _actuator_work(task: "Task", history: StructureHistory) -> float:
     """Return the work of the structure that does not reach the specimen [kN mm].
 

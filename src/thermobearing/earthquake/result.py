@@ -620,7 +620,7 @@ class EarthquakeResult(DatasetResult):
         """Return the content of summary.json; energies of one bearing and of the structure."""
         attrs, table, energy = self.dataset.attrs, self.table, self.energy
         runs, mismatch = [], self.dataset["layer_force_mismatch_max"].values
-        parts = {"lines": self.lines, "piers": self.piers}
+        parts = {"lines": self.lines, "piers": self.piers, "devices": self.devices}
         for run in range(self.runs):
             rubber = self.dataset["rubber_temperature"].values[run]
             layers = [float(np.nanmax(column)) for column in rubber.T if np.isfinite(column).any()]

@@ -237,7 +237,7 @@ def console_tables(result: "EarthquakeResult") -> list[Table]:
     # One note, the longest, stands below the last table for all of them.
     note = max((table.note for table in peaks), key=len)
     shown = [replace(table, note="") for table in peaks[:-1]] + [replace(peaks[-1], note=note)]
-    last = ("directions", "components", "rotation", "modes", "lines", "piers", "governing")
+    last = "directions", "components", "rotation", "modes", "lines", "piers", "devices", "governing"
     shown += [tables[name] for name in last if name in tables]
     for name, table in bearing_check_tables(result, every_part=False).items():
         shown.append(tables[name] if len(tables[name]) <= MOST_ROWS else table)

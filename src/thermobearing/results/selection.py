@@ -12,7 +12,8 @@ from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results.writing import as_attribute, from_attribute
 
-REACHED = ("rig", "tested_range", "bearing_checks")  # attributes with rows of each run
+# Attributes with rows of each run.
+REACHED = ("rig", "tested_range", "bearing_checks", "axial", "devices")
 CLOSE = 1e-9  # relative tolerance of a selected number
 
 

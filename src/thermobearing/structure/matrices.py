@@ -281,10 +281,10 @@ def _lowering(structure: Structure, name: str, height: float) -> Floats:
         n = len(_coordinates(structure))
         return np.zeros((n, n))
     body = structure.body(name)
-    own = (height - body.base_height) * _square(_rotation_row(structure, name))
+    tilt = (height - body.base_height) * _square(_rotation_row(structure, name))
     if body.on is None:
-        return np.asarray(own)
-    return np.asarray(own + _lowering(structure, body.on, body.base_height))
+        return np.asarray(tilt)
+    return np.asarray(tilt + _lowering(structure, body.on, body.base_height))
 
 
 def _geometric_stiffness(structure: Structure) -> Floats:
