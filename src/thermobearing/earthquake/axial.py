@@ -9,6 +9,7 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.earthquake.case import EarthquakeCase
+from thermobearing.earthquake.measures import pier_peaks
 from thermobearing.model.axial import AxialPeak, column_of
 from thermobearing.model.checks import axial_checks, check_rows
 from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
@@ -17,7 +18,14 @@ from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.fields import GRAVITY
-from thermobearing.structure.model import BearingLine, default_deck_height
+from thermobearing.structure.model import (
+    LIMITS,
+    BearingLine,
+    Structure,
+    default_deck_height,
+    list_hinges,
+    list_piers,
+)
 from thermobearing.structure.run import AxialHistory, PressedLine, StructureHistory
 from thermobearing.structure.types import SectionEnergies, SectionPeak
 
@@ -118,6 +126,42 @@ def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory
                 f"{peak.damage:.0%} and a tension of up to {-peak.least:.4g} kN"
             )
     return messages
+
+
+def p_delta_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
+    """Return a sentence for each pier whose dead load takes a large share of its yield moment."""
+    largest: dict[str, tuple[float, float, str]] = {}
+    for task, history in zip(tasks, histories, strict=True):
+        structure = task.case.structure
+        hinges, peaks = list_hinges(structure), pier_peaks(task, history)
+        for pier, row in zip(list_piers(structure), peaks, strict=True):
+            load = dead_load_on(structure, pier.name)
+            displacements = np.atleast_1d(row["pier_part_displacement_max"])
+            for number, displacement in zip(pier.hinges, displacements, strict=False):
+                if number is not None:
+                    share = load * float(displacement) / hinges[number].yield_moment
+                    named = share, float(displacement), task.label()
+                    largest[pier.name] = max(largest.get(pier.name, named), named)
+    return [
+        f"{name}: the dead load of its bearing lines at {displacement:.0f} mm makes {share:.0%} of "
+        f"the yield moment of the pier ({label}), more than {LIMITS['p_delta']['value']:.0%}; "
+        + (
+            "check the P-delta of the pier"
+            if tasks[0].case.structure.p_delta
+            else "p_delta = true of the structure adds P-delta"
+        )
+        for name, (share, displacement, label) in largest.items()
+        if share > LIMITS["p_delta"]["value"]
+    ]
+
+
+def dead_load_on(structure: Structure, name: str) -> float:
+    """Return the dead load of the bearing lines on a body, as far as it is stated [kN]."""
+    return sum(
+        sum(line.axial.dead_loads(line.count))
+        for line in structure.bearings
+        if line.base == name and line.axial is not None
+    )
 
 
 def axial_check_rows(

@@ -23,7 +23,12 @@ from thermobearing.cyclic.dataset import depth_attributes, stack_labels
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.cyclic.result import COMPONENT
 from thermobearing.earthquake import measures
-from thermobearing.earthquake.axial import axial_attribute, axial_check_rows, axial_messages
+from thermobearing.earthquake.axial import (
+    axial_attribute,
+    axial_check_rows,
+    axial_messages,
+    p_delta_messages,
+)
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
 from thermobearing.earthquake.motions import TARGETS, pair_notes
@@ -208,7 +213,7 @@ def _collect_warnings(
     if checks:
         messages += _incomplete_checks(histories)
     messages += axial_messages(tasks, histories)
-    messages += measures.oil_messages(tasks)
+    messages += p_delta_messages(tasks, histories) + measures.oil_messages(tasks)
     messages += _climate_messages(case)
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
     row_tables |= exposure_attribute(factors) | state_attribute(states)

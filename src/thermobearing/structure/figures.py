@@ -16,19 +16,21 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.text import Annotation
-from matplotlib.transforms import Bbox
+from matplotlib.transforms import Bbox, offset_copy
 
 from thermobearing.core.records import Floats
 from thermobearing.results import drawing
 from thermobearing.structure.fields import GROUND
 from thermobearing.structure.matrices import displacement_row, mean_height
-from thermobearing.structure.model import Mass, Spring, Structure
+from thermobearing.structure.model import Mass, Spring, Structure, device_ends
 from thermobearing.structure.report import EFFECTIVE_MASSES
 from thermobearing.structure.result import StructureResult
 
 M = 1e-3  # m per mm
 MOST_MODES = 6
 PIER, DECK, SPRING, BEARING, HINGE = "#6b7280", "#374151", "#0077BB", "#EE7733", "#CC3311"
+DEVICE = "#009988"
+NEXT_DEVICE = 0.11  # distance of a device from its line, and from the next, of that of piers
 TEETH = 5  # of a spring
 THICK = 11.0  # of a deck and of a bearing line [pt]
 # A bearing line as a marker: a square whose top is half the thickness of a deck below its height.
@@ -72,6 +74,9 @@ HANDLES: dict[str, drawing.Look] = {
     "bearings": {"color": BEARING, "marker": "s"} | NONE,
     "spring": {"color": SPRING},
     "hinge": {"color": "white", "markeredgecolor": HINGE, "marker": "o"} | NONE,
+    "damper": {"color": DEVICE, "marker": "D"} | NONE,
+    "slider": {"color": DEVICE, "marker": "_", "markeredgewidth": 2.5} | NONE,
+    "gap": {"color": DEVICE, "marker": "|", "markeredgewidth": 2.5} | NONE,
 }
 
 
@@ -258,6 +263,7 @@ class StructureFigures(drawing.Figures):
             at = [layout.columns[hinge.body]], [M * structure.body(hinge.body).base_height]
             ax.plot(*at, zorder=6, markersize=9, **HANDLES["hinge"])
         heads = [self._bearings(ax, line, low) for line in structure.bearings]
+        self._devices(ax)
         for mass in structure.masses:
             x, (bottom, top) = self._across(mass), layout.ends[mass.body]
             y = M * mass.height if layout.scaled else 0.5 * (bottom + top)
@@ -575,6 +581,23 @@ class StructureFigures(drawing.Figures):
         covered = any(abs(place - x) < 0.1 * layout.spacing for place in above)
         aside, side = (-NEXT_TO_MASS, "right") if covered else (0.0, "center")
         return ax.annotate(label, (x, top), (aside, ABOVE_DECK), ha=side, va="bottom", **TEXT)
+
+    def _devices(self, ax: Axes) -> None:
+        """Draw the mark of each device next to its line, or next to its body."""
+        layout, drawn = self._layout, dict.fromkeys(self._layout.seats, 0)
+        # Below the deck, as the bearings.
+        below = offset_copy(ax.transData, drawing.parent_figure(ax), 0.0, -THICK, units="points")
+        for device in self._structure.devices:
+            body, base, height = device_ends(self._structure, device)
+            place = device.line or f"{body}, {base}"
+            drawn[place] = drawn.get(place, 0) + 1
+            x = layout.seats[device.line] if device.line else layout.columns[body]
+            y = M * height if layout.scaled else layout.ends[body][0]
+            at = x + NEXT_DEVICE * layout.spacing * drawn[place]
+            look: drawing.Look = {"markersize": 9, "zorder": 7, "transform": below} | HANDLES[
+                device.kind
+            ]
+            ax.plot([at], [y], **look)
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return the function that draws each figure, by name of its file."""
