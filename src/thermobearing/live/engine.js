@@ -673,6 +673,7 @@ export class Engine {
     const rows = {
       energies: room(count), q: room(count, n), v: room(count, n), a: room(count, n),
       hinges: room(count, pier.system.hinges.shape[0]), bearings: room(count, lines),
+      devices: room(count, pier.system.devices.devices.shape[0]),
       layers: [room(count, lines, layers)], cells: [room(count, lines, 0)],
     };
     const peaks = { places: room(0, n), carried: room(0), watches: room(0), lines: room(0), hinges: room(0) };
