@@ -592,6 +592,14 @@ def _kept_steps(steps: int, keep_every: int) -> NDArray[np.bool_]:
     return keep
 
 
+def _refuse_other_structures(system: System) -> None:
+    """Refuse what the predictor-corrector cannot integrate."""
+    if system.load.ndim > 1:
+        raise ValueError("predictor-corrector: not for a structure in plan")
+    if len(system.devices.devices):
+        raise ValueError(f"predictor-corrector: {NO_VELOCITY}")
+
+
 def run_structure(
     prepared: Prepared,
     lines: Sequence[Line],
@@ -618,10 +626,8 @@ def run_structure(
     ground acceleration upwards, for the axial forces of lines that have them [mm/s2].
     """
     system = build_system(prepared, lines)
-    if method == "predictor-corrector" and system.load.ndim > 1:
-        raise ValueError("predictor-corrector: not for a structure in plan")
-    if method == "predictor-corrector" and len(prepared.structure.devices):
-        raise ValueError(f"predictor-corrector: {NO_VELOCITY}")
+    if method == "predictor-corrector":
+        _refuse_other_structures(system)
     motion = new_motion(system)
     bearings = build_bearings(*start_arguments(prepared, lines))
     steps = len(ground) - 1
