@@ -196,7 +196,9 @@ def test_energy_balance(devices: list[dict[str, Any]]) -> None:
 def test_count_multiplies() -> None:
     for device, keys in ((DAMPER, ["force"]), (FASTER, ["normal_force"]), (DULL, ["stiffness"])):
         triple = device | {key: 3.0 * device[key] for key in keys}
-        two = [build_devices(deck(one).devices, [0.0]) for one in (device | {"count": 3}, triple)]
+        two = [
+            build_devices(deck(one).device_list, [0.0]) for one in (device | {"count": 3}, triple)
+        ]
         assert_allclose(two[0][0].tolist(), two[1][0].tolist(), rtol=1e-12)
 
 
@@ -216,7 +218,7 @@ def test_turned_in_plan(device: dict[str, Any]) -> None:
         peaks: Any = plan.device_peaks
         assert peaks["force"][0, 0] == pytest.approx(line.device_peaks["force"][0], rel=1e-9)
         single = along(deck(turned, plan=True), "y")
-        assert single.devices[0].angle == pytest.approx(angle - 0.5 * math.pi)
+        assert single.device_list[0].angle == pytest.approx(angle - 0.5 * math.pi)
         across, _ = shaken(single, linear_bearing(SPRING), ground, DT)
         assert_allclose(across.matrices.device_rows, [[math.sin(angle)]])
 

@@ -438,7 +438,7 @@ class EarthquakeCase(Strict):
             )
         faults += self._plan_faults() if self.components > 1 else []
         faults += self._axial_faults()
-        if self.structure.devices and not repeats_steps:
+        if self.structure.device_list and not repeats_steps:
             faults.append(f'analysis.method = "predictor-corrector": {NO_VELOCITY}')
         for bearing in self._all_bearings():
             if isinstance(bearing, Bearing):

@@ -452,14 +452,14 @@ def compute_measures(
 
 def device_energies(structure: Structure) -> list[str]:
     """Return the names of the energies of the kinds of devices that a structure has."""
-    kinds = {device.kind for device in structure.devices}
+    kinds = {device.kind for device in structure.device_list}
     return [name for kind, name in DEVICE_ENERGIES.items() if kind in kinds]
 
 
 def device_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]]:
     """Return the peaks and energies of all devices of a run, as rows of the table of devices."""
     rows = []
-    for number, device in enumerate(task.case.structure.devices):
+    for number, device in enumerate(task.case.structure.device_list):
         peak, end = history.device_peaks[number], history.device(number)[-1]
         # In plan the resultant is the last.
         force, stroke, speed = (
@@ -484,7 +484,7 @@ def device_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]
 def oil_messages(tasks: Sequence["Task"]) -> list[str]:
     """Return a sentence for each damper whose table of its oil does not reach an ambient."""
     messages = []
-    for device in tasks[0].case.structure.devices if tasks else ():
+    for device in tasks[0].case.structure.device_list if tasks else ():
         temperatures, _ = device.oil()
         ambients = sorted({task.ambient for task in tasks})
         outside = [t for t in ambients if not temperatures[0] <= t <= temperatures[-1]]

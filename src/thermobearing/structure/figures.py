@@ -587,7 +587,7 @@ class StructureFigures(drawing.Figures):
         layout, drawn = self._layout, dict.fromkeys(self._layout.seats, 0)
         # Below the deck, as the bearings.
         below = offset_copy(ax.transData, drawing.parent_figure(ax), 0.0, -THICK, units="points")
-        for device in self._structure.devices:
+        for device in self._structure.device_list:
             body, base, height = device_ends(self._structure, device)
             place = device.line or f"{body}, {base}"
             drawn[place] = drawn.get(place, 0) + 1

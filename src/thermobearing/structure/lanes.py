@@ -274,7 +274,7 @@ def _likeness(run: Run) -> Any:
         heat = b"".join(array.tobytes() for array in kind_constants.cells)
         kinds.append((tuple(numbers), _constants_shape(kind_constants), heat))
     devices = tuple(
-        (device.kind, len(device.oil()[0])) for device in run.prepared.structure.devices
+        (device.kind, len(device.oil()[0])) for device in run.prepared.structure.device_list
     )
     hinges = len(matrices.hinge_rows)
     return sizes, hinges, devices, watched, run.dt, run.method, moving, *kinds

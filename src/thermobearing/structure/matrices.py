@@ -204,7 +204,7 @@ def build_matrices(structure: Structure, mass_model: MassModel = "consistent") -
     ]
     lines = [_stretch_row(structure, line) for line in structure.bearings]
     rows = np.reshape(hinges, (len(hinges), n))
-    devices = [_device_row(structure, device) for device in structure.devices]
+    devices = [_device_row(structure, device) for device in structure.device_list]
     device_rows = np.reshape(devices, (len(devices), *load.shape))
     geometric = _geometric_stiffness(structure) if structure.p_delta else np.zeros((n, n))
     return Matrices(names, mass, load, springs, rows, np.array(lines), geometric, device_rows)

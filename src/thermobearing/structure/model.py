@@ -306,7 +306,7 @@ class Structure(Sourced):
     springs: tuple[Spring, ...] = ()
     hinges: tuple[Hinge, ...] = ()
     bearings: Annotated[list[BearingLine], Field(min_length=1, max_length=40)]
-    devices: Annotated[tuple[AnyDevice, ...], Field(max_length=100)] = ()
+    devices: Annotated[tuple[AnyDevice, ...], Field(max_length=100)] | None = None
     damping: Damping = Damping()
     limits: PierLimits = PierLimits()
     report: Reported
@@ -351,7 +351,7 @@ class Structure(Sourced):
         if self.p_delta and wrong:
             faults.append(f"p_delta: give one dead_load, or `count` of them, in {', '.join(wrong)}")
         used = [mass.body for mass in self.masses]
-        for device in self.devices:
+        for device in self.device_list:
             used += [name for name in (device.body, device.base) if name is not None]
         parts: tuple[Spring | Hinge | BearingLine, ...] = (*self.springs, *self.hinges)
         for part in (*parts, *self.bearings):
@@ -366,10 +366,10 @@ class Structure(Sourced):
 
     def _device_faults(self, lines: Sequence[str]) -> list[str]:
         """Return faults of the names of devices and of the lines that they are parallel to."""
-        names = [device.name for device in self.devices]
+        names = [device.name for device in self.device_list]
         duplicates = dict.fromkeys(name for name in names if names.count(name) > 1)
         faults = [f'two devices are called "{name}"' for name in duplicates]
-        for number, device in enumerate(self.devices):
+        for number, device in enumerate(self.device_list):
             if device.line is not None and device.line not in lines:
                 faults.append(
                     f'devices[{number}].line: no bearing line is called "{device.line}"'
@@ -401,8 +401,8 @@ class Structure(Sourced):
 
     def _parts(self) -> dict[str, Sequence["_Part"]]:
         """Return bodies, masses and connections by their keys."""
-        keys = ("bodies", "masses", "springs", "hinges", "bearings", "devices")
-        return {key: getattr(self, key) for key in keys}
+        keys = ("bodies", "masses", "springs", "hinges", "bearings")
+        return {key: getattr(self, key) for key in keys} | {"devices": self.device_list}
 
     def _one_point(self, body: Body) -> list[str]:
         """Return the fault of a body that twists on bearings and springs at one point."""
@@ -429,6 +429,11 @@ class Structure(Sourced):
             return 0.0, 0.0
         body = self.body(name)
         return _point(body, self.place(body.on or GROUND))
+
+    @property
+    def device_list(self) -> tuple[AnyDevice, ...]:
+        """The devices, none where the key is left out."""
+        return self.devices or ()
 
     def line(self, name: str) -> BearingLine:
         """Return the bearing line of that name."""
@@ -656,7 +661,7 @@ def along(structure: Structure, direction: Direction) -> Structure:
             continue
         kept = [part for part in items if getattr(part, "direction", None) in (None, direction)]
         changes[where] = type(getattr(structure, where))(_in_line(part, direction) for part in kept)
-    changes["devices"] = tuple(_turned(structure.devices, direction))
+    changes["devices"] = tuple(_turned(structure.device_list, direction)) or None
     parts = "springs[", "hinges[", "devices["
     texts = {key: text for key, text in structure.sources.items() if not key.startswith(parts)}
     return structure.model_copy(update=changes).with_sources(texts)

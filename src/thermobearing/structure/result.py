@@ -161,7 +161,7 @@ class StructureResult(Result):
             if line.height_across is not None:
                 size += f", across the bridge at {line.height_across:g} mm"
             rows.append(("bearings", line.name, line.body, line.base, line.height, size))
-        for device in structure.devices:
+        for device in structure.device_list:
             body, base, height = device_ends(structure, device)
             rows.append((device.kind, device.name, body, base, height, device.describe()))
         columns = ["part", "name", "body", "base", "height_mm", "size"]
@@ -178,7 +178,7 @@ class StructureResult(Result):
             *map(structure.point, structure.springs),
             *(structure.place(hinge.body) for hinge in structure.hinges),
             *map(structure.point, structure.bearings),
-            *map(structure.point, structure.devices),
+            *map(structure.point, structure.device_list),
         ]
 
     @property

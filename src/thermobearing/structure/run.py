@@ -369,9 +369,9 @@ def _build_devices(prepared: Prepared, lines: Sequence[Line]) -> Devices:
         bearing_line.name: line.warmer
         for bearing_line, line in zip(structure.bearings, lines, strict=True)
     }
-    air = [warmer.get(device.line or "", 0.0) for device in structure.devices]
+    air = [warmer.get(device.line or "", 0.0) for device in structure.device_list]
     rows_of_devices = np.ascontiguousarray(prepared.matrices.device_rows)
-    return Devices(rows_of_devices, *build_devices(structure.devices, air))
+    return Devices(rows_of_devices, *build_devices(structure.device_list, air))
 
 
 def start_arguments(prepared: Prepared, lines: Sequence[Line]) -> tuple[Any, ...]:

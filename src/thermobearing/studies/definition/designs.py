@@ -283,7 +283,8 @@ class Levels:
         return motion_levels(self.study.factors.motion)
 
 
-LATER_KEYS = ("state", "axial", "axial_factor")  # which are no part of ids while they are unstated
+# Keys which are no part of ids while they are unstated.
+LATER_KEYS = ("state", "axial", "axial_factor", "devices", "p_delta")
 RUN_BYTES = 8  # of the id of a run: ten million runs have a collision once in 400 000 studies
 
 
