@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import thermobearing as tb
 from tests import tolerances as tol
+from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
 from tests.verification.structures import (
     AMBIENT,
@@ -178,8 +179,9 @@ def test_bounce_loses_more_when_it_is_faster() -> None:
 
 
 @pytest.mark.parametrize("devices", [[DAMPER], [FASTER], [GAP], [DULL], ALL])
-def test_energy_balance(devices: list[dict[str, Any]]) -> None:
+def test_energy_balance(devices: list[dict[str, Any]], measured: Recorder) -> None:
     history = shaken_deck(*devices, ground=read_ground("jra-ii-i-1", DT, 20.0))
+    measured("energy balance of a deck with devices", energy_residual(history), "1e-9")
     assert energy_residual(history) < 1e-9
     energies = history.rows.energies[-1]
     works = {"damper": energies.dampers, "slider": energies.sliders, "gap": energies.gaps}
@@ -339,13 +341,15 @@ COMPARED: dict[str, tuple[dict[str, Any], list[list[Any]], float]] = {
 
 @needs_opensees
 @pytest.mark.parametrize("name", list(COMPARED))
-def test_opensees_has_the_same_device(name: str) -> None:
+def test_opensees_has_the_same_device(name: str, measured: Recorder) -> None:
     device, material, tolerance = COMPARED[name]
     dt = 0.002
     ground = read_ground("jra-ii-i-1", dt, 20.0)
     found = shaken_deck(device, ground=ground, dt=dt).rows.q[:, 0]
     known = _in_opensees(material, ground, dt)
-    assert np.abs(found - known).max() < tolerance * np.abs(known).max()
+    error = float(np.abs(found - known).max() / np.abs(known).max())
+    measured(f"device against {name} of OpenSees, displacement", error, f"{tolerance:g}")
+    assert error < tolerance
 
 
 # --- P-delta ---------------------------------------------------------------------------------

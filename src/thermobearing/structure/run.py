@@ -84,7 +84,10 @@ GAMMA = 0.5
 TOLERANCE = 1e-10  # of the largest inertia force
 ITERATIONS = 15
 HALVINGS = 8
-NO_VELOCITY = "not for a structure with devices, whose forces need the velocity of the step"
+NO_VELOCITY = (
+    "not for a structure with devices, whose forces need the velocity of the step; use "
+    'method = "average-acceleration", or omit the devices'
+)
 SPECIMEN_LOST = "specimen_lost"
 FORCE_LIMIT = "force_limit"
 DISPLACEMENT_LIMIT = "displacement_limit"
