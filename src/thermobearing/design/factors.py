@@ -219,11 +219,6 @@ def _check(
             f"bearing: {text}: several bearings are samples of one band, as of a posterior; "
             "give bearings of different kinds in separate runs"
         )
-    elif others := [item.name for item in bearings if item.geometry != bearings[0].geometry]:
-        problems.append(
-            f"bearing: {others[0]} has other dimensions than {bearings[0].name}: several bearings "
-            "are samples of one band, as of a posterior; give each bearing in a run of its own"
-        )
     for name, values, low, high, unit in (
         ("reference_temperature", [reference], COLDEST, HOTTEST, "degC"),
         ("temperatures", temperatures, COLDEST, HOTTEST, "degC"),
