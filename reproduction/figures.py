@@ -19,7 +19,7 @@ from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.border.toml import read_toml
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_design
-from thermobearing.earthquake.figures import MODE_LOOKS
+from thermobearing.earthquake.panels import MODE_LOOKS
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.motions.figures import BINS, MOTION_COLOUR
 from thermobearing.motions.library import load_motion

@@ -1,4 +1,4 @@
-"""Axial forces of bearings in an analysis: tables of lines, outcomes, checks and sentences."""
+"""Axial forces of bearings in an analysis: tables of lines, histories, outcomes and sentences."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,12 +8,15 @@ import numpy as np
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.measures import pier_peaks
-from thermobearing.model.axial import AxialPeak, column_of
+from thermobearing.model.axial import AxialPeak, axial_rows, column_of
 from thermobearing.model.checks import axial_checks, check_rows
 from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import joined
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute
@@ -22,6 +25,7 @@ from thermobearing.structure.model import (
     LIMITS,
     BearingLine,
     Structure,
+    carried_mass,
     default_deck_height,
     list_hinges,
     list_piers,
@@ -31,8 +35,14 @@ from thermobearing.structure.types import SectionEnergies, SectionPeak
 
 if TYPE_CHECKING:
     import pandas as pd
+    import xarray as xr
 
+    from thermobearing.earthquake.result import EarthquakeResult
     from thermobearing.earthquake.run import Task
+
+
+LEAST_STEPS = 10.0  # of a period of vertical motion
+WEIGHT_TOLERANCE = 0.2  # of the weight above all bearing lines: of the sum of dead loads
 
 
 def pressed_line(
@@ -58,12 +68,69 @@ def pressed_line(
     )
 
 
+AXIAL_LINE, SUPPORT = "axial_line", "support"  # dimensions: lines, and all their bearings
+
+
+def axial_histories(
+    runs: Sequence[tuple["Task", StructureHistory]], keep_every: int
+) -> dict[str, tuple[str, list[Floats]]]:
+    """Return dimension and kept rows of axial forces and of their limits, by variable.
+
+    Empty where axial forces do not act. The cavitation force is NaN for bearings that lift.
+    """
+    acting = [history.axial for _, history in runs if history.axial is not None]
+    if not acting or len(acting) < len(runs):
+        return {}
+    return {
+        "axial_force": (SUPPORT, [axial.force[::keep_every] for axial in acting]),
+        "critical_load": (AXIAL_LINE, [axial.limit[::keep_every] for axial in acting]),
+        "cavitation_force": (
+            AXIAL_LINE,
+            [_cavitation_forces(*run)[::keep_every] for run in runs],
+        ),
+    }
+
+
+def _cavitation_forces(task: "Task", history: StructureHistory) -> Floats:
+    """Return the tension at which the bearings of each line cavitate [kN], in kept rows."""
+    assert history.axial is not None
+    columns = []
+    for number in history.axial.lines:
+        line, installed = task.case.structure.bearings[number], task.lines[number]
+        load = pressed_line(task.case, line, installed.device.bearing)
+        moved = history.bearing(number)["displacement"]
+        assert load is not None
+        if load.dowelled:
+            columns.append(np.full(len(moved), np.nan))
+            continue
+        constants, rubber = installed.device.constants, history.layers(number)
+        rows = axial_rows(load.columns, constants, moved, np.zeros(len(moved)), rubber)
+        columns.append(rows["cavitation_force"] / line.scale**2)
+    return np.stack(columns, axis=1)
+
+
+def axial_coordinates(runs: Sequence[tuple["Task", StructureHistory]]) -> dict[str, Any]:
+    """Return the line of each column of the variables of `axial_histories`."""
+    task, history = runs[0]
+    lines = task.case.structure.bearings
+    numbers = history.axial.lines if history.axial is not None else []
+    supports = [lines[number].name for number in numbers for _ in range(lines[number].count)]
+    names = [lines[number].name for number in numbers]
+    return {AXIAL_LINE: np.array(names, dtype=str), SUPPORT: np.array(supports, dtype=str)}
+
+
 def is_unstable(axial: AxialHistory | None) -> bool:
     """Return whether a bearing passed its critical load, or the force of a line fell beyond it."""
     if axial is None:
         return False
     peaks: Any = axial.peaks
     return bool((peaks["first"] >= 0.0).any() or (peaks["falling"] >= 0.0).any())
+
+
+def first_exceedance(peak: SectionPeak) -> float:
+    """Return when the first bearing of a line became unstable [s]; NaN if it did not."""
+    moments = [float(moment) for moment in (peak.first, peak.falling) if moment >= 0.0]
+    return min(moments, default=math.nan)
 
 
 def with_axial_outcome(outcome: str, axial: AxialHistory | None) -> str:
@@ -164,6 +231,62 @@ def dead_load_on(structure: Structure, name: str) -> float:
     )
 
 
+def loading_messages(
+    case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[str]:
+    """Return warnings on the table of axial forces: dead loads, and steps of vertical motion."""
+    messages = [_weight_message(case)] if case.analysis.has_axial else []
+    shortest: dict[str, tuple[float, float]] = {}
+    for task, history in zip(tasks, histories, strict=True):
+        if history.axial is not None and case.analysis.axial == "vertical":
+            for number, period in zip(
+                history.axial.lines, _vertical_periods(history.axial), strict=True
+            ):
+                name = case.structure.bearings[number].name
+                pair = period / task.shaking.dt, period
+                shortest[name] = min(pair, shortest.get(name, pair))
+    if steep := {name: pair for name, pair in shortest.items() if pair[0] < LEAST_STEPS}:
+        name, (steps, period) = min(steep.items(), key=lambda item: item[1])
+        messages.append(
+            f"the vertical period of the bearings ({joined(list(steep))}; shortest {period:.3g} s, "
+            f"{name}) has {steps:.1f} steps, fewer than {LEAST_STEPS:g}: extremes of axial forces "
+            f"are uncertain; give analysis.dt = {_rounded_down(1e3 * period / LEAST_STEPS):g} ms"
+        )
+    return [message for message in messages if message]
+
+
+def _weight_message(case: EarthquakeCase) -> str:
+    """Return a sentence where dead loads of all lines are not the weight above them."""
+    lines = case.structure.bearings
+    tables = [line.axial for line in lines]
+    weight = GRAVITY * carried_mass(case.structure)
+    if not weight or any(table is None for table in tables):
+        return ""
+    loads = sum(sum(line.axial.dead_loads(line.count)) for line in lines if line.axial is not None)
+    if abs(loads - weight) <= WEIGHT_TOLERANCE * weight:
+        return ""
+    return (
+        f"dead loads of the bearing lines are {loads:.4g} kN, and the masses above them weigh "
+        f"{weight:.4g} kN: check dead_load (on each bearing) and the masses"
+    )
+
+
+def _vertical_periods(axial: AxialHistory) -> list[float]:
+    """Return the period of the vertical motion on the bearings of each line, at the start [s]."""
+    periods = []
+    for section in axial.sections:
+        bearings = slice(section["first"], section["last"])
+        stiffness = float((axial.force[0, bearings] / axial.supports["offset"][bearings]).sum())
+        periods.append(2.0 * math.pi * math.sqrt(float(section["mass"]) / stiffness))
+    return periods
+
+
+def _rounded_down(value: float) -> float:
+    """Return a number with one digit that is not larger."""
+    digit = 10.0 ** math.floor(math.log10(value))
+    return math.floor(value / digit) * digit
+
+
 def axial_check_rows(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
 ) -> list[Row]:
@@ -179,7 +302,7 @@ def axial_check_rows(
 
 def section_peaks(peak: SectionPeak) -> dict[str, AxialPeak]:
     """Return the peaks of a line in a run, as `axial_checks` takes them."""
-    first = peak.first if peak.first >= 0.0 else math.nan
+    first = float(peak.first) if peak.first >= 0.0 else math.nan
     force, limit = float(peak.share_force), float(peak.share_limit)
     shares = float(peak.share), force, limit, float(peak.share_time), first, float(peak.exceeded)
     peaks = {"analysis": AxialPeak(*shares)}
@@ -216,6 +339,7 @@ def _axial_extremes(
                 "axial_displacement_mm": float(peak.share_x),
                 "axial_force_kN": float(peak.share_force),
                 "critical_load_kN": float(peak.share_limit),
+                "axial_first_s": first_exceedance(peak),
                 "axial_exceeded_s": float(peak.exceeded),
                 "critical_share_line": float(peak.line_share),
                 "axial_force_min_kN": float(peak.least),
@@ -232,3 +356,34 @@ def axial_table(rows: "pd.DataFrame") -> Table:
     """Return the extremes of axial forces that act on the shear force, of each line and run."""
     names = [] if rows.empty else [str(name) for name in rows]
     return make_table(rows, names, "Axial forces of the bearings", keys=2)
+
+
+def axial_forces_change(dataset: "xr.Dataset") -> bool:
+    """Return whether axial forces of an analysis change in time."""
+    if "axial_force" not in dataset:
+        return False
+    forces = dataset["axial_force"].values
+    return bool((np.fmax.reduce(forces, axis=1) > np.fmin.reduce(forces, axis=1)).any())
+
+
+def governing_axial_line(result: "EarthquakeResult") -> str:
+    """Return the line with the bearing that comes nearest to a limit of its axial force.
+
+    The limits are its critical load, and no axial force at all, by the share of its dead load that
+    it loses.
+    """
+    forces, supports = result["axial_force"].values, result[SUPPORT].values
+    lost = np.fmax.reduce(1.0 - np.fmin.reduce(forces, axis=1) / forces[:, 0], axis=0)
+    pressed = result.axial.groupby("line")["critical_share"].max()
+    names = [str(name) for name in result[AXIAL_LINE].values]
+    nearest = [max(float(lost[supports == name].max()), float(pressed[name])) for name in names]
+    return names[place_of_largest(nearest)]
+
+
+def valid_until(result: "EarthquakeResult") -> Floats:
+    """Return when the first bearing became unstable in each run [s]; NaN where none did."""
+    rows = result.axial
+    if rows.empty:
+        return np.full(result.runs, np.nan)
+    first = rows.groupby("run")["axial_first_s"].min()
+    return np.array([float(first.get(name, np.nan)) for name in result.run_names])

@@ -26,7 +26,10 @@ from thermobearing.earthquake import measures
 from thermobearing.earthquake.axial import (
     axial_attribute,
     axial_check_rows,
+    axial_coordinates,
+    axial_histories,
     axial_messages,
+    loading_messages,
     p_delta_messages,
 )
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
@@ -54,7 +57,6 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.motions.pair import MotionPair
 from thermobearing.quantities.register import quantity
-from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import (
     Ends,
     Row,
@@ -148,9 +150,13 @@ Traces = Sequence[Mapping[str, Floats]]
 CELLS = {"units": "degC", "long_name": "temperature of the cells, the first at the upper face"}
 
 
-def _incomplete_checks(histories: Sequence[StructureHistory]) -> list[str]:
+def _incomplete_checks(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
     """Return which runs have checks of a part of the motion only."""
-    early_outcomes = [history.outcome for history in histories if history.outcome != COMPLETED]
+    early_outcomes = [
+        history.outcome
+        for task, history in zip(tasks, histories, strict=True)
+        if history.steps < len(task.shaking.ground) - 1
+    ]
     if not early_outcomes:
         return []
     return [
@@ -211,9 +217,10 @@ def _collect_warnings(
     checks += _twist_checks(case, tasks, histories)
     messages += failed_checks(of_lead + checks)
     if checks:
-        messages += _incomplete_checks(histories)
+        messages += _incomplete_checks(tasks, histories)
     messages += axial_messages(tasks, histories)
     messages += p_delta_messages(tasks, histories) + measures.oil_messages(tasks)
+    messages += loading_messages(case, tasks, histories)
     messages += _climate_messages(case)
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
     row_tables |= exposure_attribute(factors) | state_attribute(states)
@@ -380,10 +387,7 @@ def _label_histories(
     }
     if "cells" in case.analysis.keep:
         across["temperature"] = "cell", [trace["temperature"][::keep_every] for trace in traces]
-    axial = [history.axial for _, history in runs if history.axial is not None]
-    if axial and len(axial) == len(runs):
-        across["axial_force"] = "support", [part.force[::keep_every] for part in axial]
-        across["critical_load"] = "axial_line", [part.limit[::keep_every] for part in axial]
+    across |= axial_histories(runs, keep_every)
     for name, (dimension, parts) in across.items():
         largest_count = max((part.shape[1] for part in parts), default=0)
         stacked = padded(parts, (length, largest_count, *_wider(parts, 2)))
@@ -432,6 +436,7 @@ def label_analysis(
             "layer": np.arange(1, data["rubber_temperature"][1].shape[2] + 1),
             "body": np.array([body.name for body in case.structure.bodies if tasks], dtype=str),
             **parts_coords,
+            **(axial_coordinates(runs) if "axial_force" in data else {}),
         },
         attrs=_attributes(case, tasks, _interrupted(planned, histories))
         | axial_attribute(tasks, histories)

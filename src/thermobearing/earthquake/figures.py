@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
+from thermobearing.earthquake.axial import axial_forces_change
 from thermobearing.earthquake.motions import motion_targets
 from thermobearing.earthquake.panels import (
     DISPLACEMENT,
@@ -36,10 +37,6 @@ from thermobearing.quantities.register import quantity
 from thermobearing.results import drawing
 from thermobearing.results.profiles import draw_profile_panels
 
-MODE_LOOKS: dict[str, drawing.Look] = {
-    "rt": {"color": "#CC3311"},
-    "pd": {"color": "#0077BB", "linestyle": "--"},
-}
 PANEL, SPEED_PANEL = (2.9, 2.4), (4.2, 2.3)  # width, height [inch]
 KJ, MN_M, ENERGY = 1e-3, 1e-3, "energy [kJ]"
 WIDER = 0.8  # of its width: each line that lies below another
@@ -72,7 +69,7 @@ SHOWN = {  # columns of the table of runs: label
     "pier_ductility": "pier ductility",
     "deck_acceleration_max_m_s2": "deck acceleration",
 }
-OF_RESULTANT = ("peaks", "parts", "energy", "temperature", "profiles")  # or of no direction
+OF_RESULTANT = ("peaks", "parts", "energy", "temperature", "profiles", "axial_forces")  # or none
 SPREAD = 0.5  # of the room of a temperature that its dots take
 PEAK_COLUMNS = 3  # of quantities side by side
 MEAN = 0.36  # half the length of the line at a mean
@@ -247,23 +244,8 @@ class EarthquakeFigures(Panels):
                 y = self._data["bearing_force"].values[run, inside]
                 look: drawing.Look = {"linestyle": self._line(run), "linewidth": 1.1}
                 ax.plot(x, y, color=looks[loop["bearing"]], **look)
-        self._legend(
-            figure, [Line2D([], [], color=c, label=names[name]) for name, c in looks.items()]
-        )
-        return figure
-
-    def modes(self) -> Figure:
-        """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
-
-        def _draw(ax: Axes, run: int) -> None:
-            strain = 100.0 * self._values("bearing_strain", run)
-            look = MODE_LOOKS[self._result.modes[run]]
-            ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
-
-        subject = "real time over pseudo-dynamic"
-        figure = self._by_bearing(subject, LOOP_PANEL, (STRAIN, FORCE), _draw)
-        handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
-        drawing.legend_below(figure, handles)
+        handles = [Line2D([], [], color=c, label=names[name]) for name, c in looks.items()]
+        self._legend(figure, handles)
         return figure
 
     def strain(self, ax: Axes | None = None, *, line: str | None = None) -> Figure:
@@ -690,6 +672,7 @@ class EarthquakeFigures(Panels):
             (self.temperature, _holds("rubber_temperature")),
             (self.profiles, _holds("depth")),
             (self.shares, _holds("lead_temperature")),
+            (self.axial_forces, axial_forces_change(self._data)),
             (self.speed, self._data.attrs["command"] == "hybrid"),
             (self.motion_spectra, bool(motion_targets(self._data))),
         )

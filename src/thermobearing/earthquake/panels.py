@@ -1,18 +1,25 @@
-"""Panels of figures of earthquakes: grids, parts, strong motion, paths, comparisons of models."""
+"""Panels of figures of earthquakes: grids, parts, strong motion, paths, axial forces, models."""
 
 import copy
 from collections.abc import Callable, Sequence
 from typing import Any, Literal, Self
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats
+from thermobearing.earthquake.axial import (
+    axial_forces_change,
+    governing_axial_line,
+    valid_until,
+)
 from thermobearing.earthquake.earlier import INNER, SINGLE, run_keys
 from thermobearing.earthquake.measures import DIRECTION, GOVERNING, MM_PER_M
 from thermobearing.earthquake.motions import motion_targets
@@ -38,10 +45,23 @@ TARGET_LINES = ("--", "-.", ":")
 OTHER_LINES = ("-", (0, (4, 1)), (0, (2, 1)), (0, (6, 1, 1, 1)))  # of motions without a target
 LINES: dict[str, Any] = {"": "-", "rt": "-", "pd": "--"}
 MODES = {"": "", "rt": "real time", "pd": "pseudo-dynamic"}
+MODE_LOOKS: dict[str, drawing.Look] = {
+    "rt": {"color": "#CC3311"},
+    "pd": {"color": "#0077BB", "linestyle": "--"},
+}
 Draw = Callable[[Axes, int], None]
 COMPARISON_SIZE = (3.1, 2.3)  # of one panel [inch]
 LOOP_PANEL = (3.0, 2.7)  # likewise
 BLACK: drawing.Look = {"color": "#000000", "linewidth": 1.6}
+AXIAL_PANEL = (3.4, 2.4)
+AXIAL_LIMITS: dict[str, drawing.Look] = {  # in the order of the legend
+    "critical load": {"color": "#a33", "linewidth": 0.9, "linestyle": (0, (6, 2, 1, 2))},
+    "no axial force": {"color": drawing.INK, "linewidth": 0.9, "linestyle": "-"},
+    "cavitation, 3 G A": {"color": "#a33", "linewidth": 0.9, "linestyle": (0, (1.5, 1.5))},
+}
+INVALID = "#f6dede"  # after a bearing has become unstable
+FARTHEST_LIMIT = 2.0  # of the largest axial force: a critical load beyond that is out of the panel
+OUTER, INNER_LINE = 1.1, 0.6  # widths of lines: outermost bearings, and those between
 LOOP_LOOKS = {REFERENCE: BLACK, SINGLE: {"color": "#EE7733", "linewidth": 0.9}}
 
 
@@ -424,6 +444,98 @@ class Panels(drawing.Figures):
                 drawing.draw_orbit(ax, x[thin], y[thin], label, quantity(name).unit, **look)
         self._legend(figure)
         return figure
+
+    def modes(self) -> Figure:
+        """Return loops of the specimen in both modes, as Fig. 3.16 to 3.19."""
+
+        def _draw(ax: Axes, run: int) -> None:
+            strain = 100.0 * self._values("bearing_strain", run)
+            look = MODE_LOOKS[self._result.modes[run]]
+            ax.plot(strain, self._values("bearing_force", run), linewidth=0.9, **look)
+
+        subject = "real time over pseudo-dynamic"
+        figure = self._by_bearing(subject, LOOP_PANEL, (STRAIN, FORCE), _draw)
+        handles = [Line2D([], [], label=MODES[k], **look) for k, look in MODE_LOOKS.items()]
+        drawing.legend_below(figure, handles)
+        return figure
+
+    def axial_forces(self, *, line: str | None = None) -> Figure:
+        """Return axial forces of the bearings of a line, with the limits that they have.
+
+        A row for the coldest and for the warmest ambient temperature, a column for each motion.
+
+        Parameters
+        ----------
+        line : str, optional
+            Bearing line, by default that with a bearing nearest to a limit.
+
+        Raises
+        ------
+        InputError
+            Axial forces do not change in time, or no such line has them.
+        """
+        if not axial_forces_change(self._data):
+            hint = 'analysis.axial = "overturning" or "vertical" lets them'
+            raise InputError(f"axial_forces: axial forces do not change in time; {hint}")
+        names = [str(name) for name in self._data["axial_line"].values]
+        line = governing_axial_line(self._result) if line is None else line
+        if line not in names:
+            reason = "no line with axial forces has that name"
+            raise InputError(f'line = "{line}": {reason}{nearest(line, names)}')
+        motions = self._motions[:MOST_COLUMNS]
+        ends = list(dict.fromkeys([self._ambients[0], self._ambients[-1]]))
+        rows = [(bearing, ambient) for bearing in self._bearings for ambient in ends]
+        sides = [f"ambient {drawing.degrees(ambient)}" for _, ambient in rows]
+        if len(self._bearings) > 1:
+            sides = [f"{bearing}\n{side}" for (bearing, _), side in zip(rows, sides, strict=True)]
+        only = f", {sides[0]}" if len(rows) == 1 else ""
+        title = self._of()._title(f"axial forces of line {line}{only}", motions=True)
+        labels = ("time [s]", "axial force [kN]")
+        figure, cells = self._grid(
+            title, AXIAL_PANEL, rows, motions, labels, heads=motions, sides=sides, share="col"
+        )
+        drawn: dict[str, Artist] = {}
+        for ax, (bearing, ambient), motion in cells:
+            for run in self._find_runs(bearing=bearing, ambient_degC=ambient, motion=motion):
+                drawn |= self._axial_panel(ax, run, line, names.index(line))
+        order = [label for label in drawn if label not in AXIAL_LIMITS]
+        order += [label for label in AXIAL_LIMITS if label in drawn]
+        drawing.legend_below(figure, [drawn[label] for label in order])
+        return figure
+
+    def _axial_panel(self, ax: Axes, run: int, line: str, place: int) -> dict[str, Artist]:
+        """Draw the axial forces of a run, and their limits; return what the legend needs."""
+        data, time = self._data, self._values("time", run)
+        chosen = np.flatnonzero(data["support"].values == line)
+        forces = data["axial_force"].values[run, : len(time), chosen].astype(float)
+        drawn: dict[str, Artist] = {}
+        colours = drawing.ordered_colours(len(forces), "viridis")
+        for number, (force, colour) in enumerate(zip(forces, colours, strict=True), 1):
+            kept = drawing.thin(force, TIME_BINS)
+            width = OUTER if number in (1, len(forces)) else INNER_LINE
+            look: drawing.Look = {"color": colour, "linewidth": width}
+            drawn[f"bearing {number}"] = Line2D([], [], label=f"bearing {number}", **look)
+            # Outermost bearings, whose lines are wide, lie above the others.
+            ax.plot(time[kept], force[kept], zorder=2.0 + 0.1 * width, **look)
+        limits = {"no axial force": np.zeros(len(time))}
+        limits["critical load"] = data["critical_load"].values[run, : len(time), place]
+        limits["cavitation, 3 G A"] = -data["cavitation_force"].values[run, : len(time), place]
+        if (nearest_limit := limits["critical load"].min()) > FARTHEST_LIMIT * forces.max():
+            del limits["critical load"]
+            drawing.say_why(ax, f"critical load: at least {nearest_limit:.0f} kN", (0.98, 0.98))
+        for label, values in limits.items():
+            if np.isfinite(values).all():
+                kept = drawing.thin(values, TIME_BINS)
+                ax.plot(time[kept], values[kept], zorder=1.8, **AXIAL_LIMITS[label])
+                drawn[label] = Line2D([], [], label=label, **AXIAL_LIMITS[label])
+        low, high = self._strong_part([run])
+        extremes = time[[int(forces.max(axis=0).argmax()), int(forces.min(axis=0).argmin())]]
+        ax.set_xlim(min(low, extremes.min()), max(high, extremes.max()))
+        first = valid_until(self._result)[run]
+        if np.isfinite(first):
+            ax.axvspan(first, time[-1], color=INVALID, zorder=0.5)
+            drawn["no results: unstable"] = Patch(color=INVALID, label="no results: unstable")
+        return drawn
 
     def comparison(self) -> Figure:
         """Return the inner layer in time, all models over each other (Fig. 4.13, 5.16)."""

@@ -292,7 +292,7 @@ class EarthquakeResult(DatasetResult):
         if len(self.rig):
             frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
         frame["beyond_tested"] = measures.beyond_tested(self)
-        return frame
+        return tables.with_validity(frame, self)
 
     @property
     def largest_loops(self) -> "pd.DataFrame":

@@ -15,7 +15,7 @@ from thermobearing.bearing.undecided import UNDECIDED_OF, band, band_text
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures
-from thermobearing.earthquake.axial import axial_table
+from thermobearing.earthquake.axial import axial_table, valid_until
 from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.earthquake.properties import periods_table
 from thermobearing.quantities.governing import place_of_largest
@@ -90,6 +90,7 @@ BANDED: Final = (  # of what tests do not decide
     "bearing_energy_kN_mm",
     "pier_displacement_max_mm",
 )
+VALID_UNTIL: Final = "valid_until_s"
 RULE: Final = 0.3  # share of the other direction
 PARTS: Final = {
     "line": (
@@ -147,6 +148,12 @@ GOVERNED: Final = {
     "pier ductility": ("pier", "ductility", "pier_ductility"),
     "deck displacement [mm]": ("", "", "deck_displacement_max_mm"),
 }
+
+
+def with_validity(frame: "pd.DataFrame", result: "EarthquakeResult") -> "pd.DataFrame":
+    """Return the table of runs with the time when they became unstable, if any did."""
+    moments = valid_until(result)
+    return frame.assign(**{VALID_UNTIL: moments}) if np.isfinite(moments).any() else frame
 
 
 def _largest(values: "pd.Series[float]") -> float:
@@ -266,6 +273,7 @@ def _peaks_table(
     if names == PEAKS:  # the screen has no room for them
         place_columns = [n for n in measures.PLACES if n in frame and frame[n].nunique() > 1]
     ended = ["outcome"] if (frame["outcome"] != "completed").any() else []
+    ended += [VALID_UNTIL] if VALID_UNTIL in frame else []
     frame["outcome"] = frame["outcome"].str.replace("_", " ")
     limits = [str(text).split() for text in frame["beyond_tested"]]
     columns = {"ambient": "ambient_degC", "strain": "bearing_strain_max"}
@@ -313,6 +321,8 @@ def _peaks_sentences(
     ]
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
         sentences.append("The energy ratio is relative to the warmest run.")
+    if VALID_UNTIL in frame:
+        sentences.append('Peaks of unstable runs that are later than "Valid until" are no results.')
     if result.has_parts:
         sentences.append(f"Every peak is the largest of all {joined(_plurals(result))}.")
     return sentences

@@ -527,6 +527,12 @@ def default_deck_height(structure: Structure, line: BearingLine) -> float:
     return sum(mass.mass * mass.height for mass in masses) / total - line.height
 
 
+def carried_mass(structure: Structure) -> float:
+    """Return the mass of the bodies that stand on bearing lines [kN s2/mm]."""
+    bodies = {line.body for line in structure.bearings}
+    return sum(mass.mass for mass in structure.masses if mass.body in bodies)
+
+
 def axial_table_faults(structure: Structure, line: BearingLine, level: str) -> list[str]:
     """Return what the table of axial forces of a line lacks, by `axial` of the analysis."""
     table, faults = line.axial, []

@@ -1,0 +1,122 @@
+"""What an analysis with axial forces shows: figure, warnings, and where results end."""
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from tests.verification.test_vertical import _case
+from thermobearing.earthquake.axial import axial_forces_change, governing_axial_line, valid_until
+from thermobearing.earthquake.run import run_earthquake
+from thermobearing.model.options import build_model
+
+UNSTABLE_LOAD = "10500 kN"
+
+
+@pytest.fixture(scope="module")
+def results():
+    """A pier with light dead loads, and one whose bearings become unstable."""
+    return {
+        "light": run_earthquake(_case("vertical", dead_load="400 kN")),
+        "dowelled": run_earthquake(_case("vertical", dead_load="400 kN", joint="dowelled")),
+        "unstable": run_earthquake(_case("overturning", dead_load=UNSTABLE_LOAD)),
+        "dead": run_earthquake(_case("dead")),
+    }
+
+
+def _labels(figure):
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def _line(ax, value):
+    """The line of a panel with a value at its start, or None."""
+    matches = [line for line in ax.lines if line.get_ydata()[0] == pytest.approx(value, rel=1e-6)]
+    return matches[0] if matches else None
+
+
+def test_figure_of_axial_forces(results):
+    figure = results["light"].plot.axial_forces()
+    (ax,) = figure.axes
+    bearings = [f"bearing {number}" for number in range(1, 6)]
+    assert _labels(figure) == [*bearings, "no axial force", "cavitation, 3 G A"]
+    data = results["light"].dataset.isel(run=0)
+    forces = data["axial_force"].values
+    drawn = [line for line in ax.lines if line.get_ydata()[0] == pytest.approx(400.0)]
+    assert [line.get_ydata().min() for line in drawn] == pytest.approx(forces.min(axis=0).tolist())
+    strength = data["cavitation_force"].values[:, 0]
+    assert _line(ax, -float(strength[0])) is not None
+    low, high = ax.get_xlim()
+    least = float(data["time"].values[forces.min(axis=1).argmin()])
+    assert low <= least <= high
+    least_limit = f"at least {float(data['critical_load'].min()):.0f} kN"
+    assert any(least_limit in text.get_text() for text in ax.texts)
+    assert "G1-G5" in figure.get_suptitle()
+
+
+def test_figure_of_dowelled_and_unstable_bearings(results):
+    assert "cavitation, 3 G A" not in _labels(results["dowelled"].plot.axial_forces())
+    assert np.isnan(results["dowelled"]["cavitation_force"].values).all()
+    figure = results["unstable"].plot.axial_forces()
+    assert {"critical load", "no results: unstable"} <= set(_labels(figure))
+    (first,) = valid_until(results["unstable"])
+    assert figure.axes[0].patches[0].get_x() == pytest.approx(first)
+
+
+def test_figure_is_drawn_where_axial_forces_change(results):
+    drawn = {name: set(result.plot.draw_all()) for name, result in results.items()}
+    assert {name for name, figures in drawn.items() if "axial_forces" in figures} == {
+        "light",
+        "dowelled",
+        "unstable",
+    }
+    assert not axial_forces_change(results["dead"].dataset)
+    with pytest.raises(tb.InputError, match=r"analysis\.axial"):
+        results["dead"].plot.axial_forces()
+    with pytest.raises(tb.InputError, match="G1-G5"):
+        results["light"].plot.axial_forces(line="G1-G6")
+    assert governing_axial_line(results["light"]) == "G1-G5"
+
+
+def test_cavitation_force_is_three_times_shear_modulus_and_area(results):
+    """By hand at the start, from the secant modulus at 100 % strain at the ambient temperature."""
+    data = results["light"].dataset.isel(run=0)
+    bearing = tb.load_bearing("lrb-example")
+    rubber, law = build_model(bearing).constants.rubber, bearing.hysteresis
+    geometry, change = bearing.geometry, -10.0 - rubber.reference_temperature
+    share = (1.0 + law.hardening) * law.yield_displacement / geometry.rubber_thickness
+    secant = rubber.elastic_stiffness * np.exp(rubber.elastic_exponent * change)
+    secant += share * rubber.hysteretic_stiffness * np.exp(rubber.hysteretic_exponent * change)
+    net_area = np.pi / 4.0 * (geometry.plan.diameter**2 - bearing.lead.diameter**2)
+    modulus = secant * geometry.rubber_thickness / geometry.plan.area
+    start = float(data["cavitation_force"].values[0, 0])
+    assert start == pytest.approx(3.0 * modulus * net_area, rel=1e-6)
+
+
+def test_results_end_where_a_bearing_becomes_unstable(results):
+    unstable, light = results["unstable"], results["light"]
+    row = unstable.axial.iloc[0]
+    share = unstable["axial_force"].values[0] / unstable["critical_load"].values[0]
+    above = unstable["time"].values[0][(share > 1.0).any(axis=1)]
+    kept = float(unstable["time"].values[0, 1])
+    assert 0.0 <= float(above[0]) - row["axial_first_s"] < kept
+    assert unstable.table["valid_until_s"].tolist() == [row["axial_first_s"]]
+    assert "valid_until_s" not in light.table
+    assert np.isnan(valid_until(light)).all()
+    peaks = unstable.tables()["peaks"]
+    assert "valid_until_s" in [column.name for column in peaks.columns]
+    # The run reaches its end: its checks are those of all steps.
+    assert unstable["time"].values[0, -1] == pytest.approx(11.0)
+    assert not any("until then only" in text for text in unstable.warnings)
+
+
+def test_warnings_on_dead_loads_and_steps(results):
+    def _count(result, words):
+        return sum(words in text for text in result.warnings)
+
+    assert _count(results["light"], "dead loads of the bearing lines are 2000 kN") == 1
+    balanced = run_earthquake(_case("vertical", dead_load="800 kN"))  # of 3923 kN on five bearings
+    assert _count(balanced, "dead loads") == 0
+    # Light loads have a short vertical period, which the step does not resolve.
+    assert _count(results["light"], "vertical period") == 1
+    assert _count(results["unstable"], "vertical period") == 0  # which does not move vertically
+    heavy = run_earthquake(_case("vertical", dead_load="800 kN", mass="4000 t"))
+    assert _count(heavy, "vertical period") == 0
