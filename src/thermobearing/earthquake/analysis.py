@@ -17,11 +17,18 @@ from thermobearing.border.lazy import pd, xr
 from thermobearing.cyclic.case import Earlier, InitialState, Keep, Rig
 from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.cyclic.run import run
-from thermobearing.earthquake.case import EarthquakeCase, Kept, Laboratory, make_earthquake_case
+from thermobearing.earthquake.case import (
+    AxialLevel,
+    EarthquakeCase,
+    Kept,
+    Laboratory,
+    make_earthquake_case,
+)
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import BANDS, COMPONENTS, EarthquakeResult
 from thermobearing.earthquake.run import Progress, run_earthquake
 from thermobearing.earthquake.tables import bands_frame, changes_by_run, components_frame
+from thermobearing.model.axial import AxialFactor
 from thermobearing.model.earlier import REFERENCE, Model, models_that_fit
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.limits import Limits
@@ -43,6 +50,8 @@ class EarthquakeKeywords(ModelKeywords, total=False):
     """What `bridge` and `hybrid` take besides: loads, limits, and fields of their options."""
 
     axial_force: float | None
+    axial: AxialLevel | None
+    axial_factor: AxialFactor | None
     limits: Limits | str | Path | dict[str, Any] | None
     fixed_base: bool | None
     duration: float | None
@@ -84,7 +93,8 @@ def bridge(
     structure : a Structure, the name of one, or a TOML file; "pier-p1" by default.
     lines : a table for each bearing line that differs from the others: its name `line`, and
         `bearing`, `count`, `ambient` (text with its unit), `weather`, `equivalent_stiffness`,
-        `state` (of its rubber: "tested", "virgin" or "recovered after 5 years").
+        `state` (of its rubber: "tested", "virgin" or "recovered after 5 years"), `axial` (a table
+        of its axial forces: `dead_load`, `places` and others).
     model : `ModelOptions`, or the name of an earlier model to compare with (model/earlier.py);
         "multi-layer" by default.
     initial : an earlier result of the one bearing, of `run`, `hybrid` or `bridge`, its directory,
@@ -97,6 +107,10 @@ def bridge(
     axial_force : on one bearing [kN], positive in compression, in [-1e6, 1e6]; a table of `lines`
         may have its own (text with its unit). It changes no motion; the result then has checks of
         stress and critical load.
+    axial : axial forces that act on the shear force, of lines with a table `axial`: "off"
+        (default), "dead" (constant), "overturning" or "vertical" (with the vertical motion too).
+    axial_factor : what their part in the shear force counts on: "overlap" (default) of top and
+        bottom, or "potential".
     limits : limits of checks that an office has confirmed, a file or a table by code and check, for
         `check_bearings`.
     components : of a structure in plan: horizontal components of the ground motion that act
@@ -195,7 +209,7 @@ def hybrid(
     lines, model, initial, keep, rig, executor, progress : as of `bridge`.
     method : as of `bridge`; "predictor-corrector" by default, which moves the specimen once in
         each step.
-    limits : not of a hybrid test.
+    limits, axial, axial_factor : not of a hybrid test.
     axial_force, fixed_base, duration, dt, mass, damping, exposure, state : as of `bridge`.
 
     Raises

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 
+EARLIER = 1e-9  # [s] by which rounding may move a step
 LEAST_STEPS = 10.0  # of a period of vertical motion
 WEIGHT_TOLERANCE = 0.2  # of the weight above all bearing lines: of the sum of dead loads
 
@@ -160,38 +161,48 @@ def _pressed_lines(
 
 
 def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
-    """Return sentences on bearings that pass a limit of their axial force."""
-    messages = []
-    for task, number, peak, _ in _pressed_lines(tasks, histories):
-        line = task.case.structure.bearings[number]
-        where = f"{line.name}, bearing {{:.0f}} of {line.count} ({task.label()})"
-        if peak.first >= 0.0:
-            share = f"the line as a whole is at {peak.line_share:.2f} of its critical load"
-            messages.append(
-                f"{where.format(peak.share_bearing + 1)}: unstable, first at {peak.first:.4g} s "
-                f"and for {peak.exceeded:.3g} s; most at {peak.share_time:.4g} s and "
-                f"{peak.share_x:.3g} mm, with an axial force of {peak.share_force:.4g} kN and a "
-                f"critical load of {peak.share_limit:.4g} kN; {share}"
-            )
-        elif peak.falling >= 0.0:
-            messages.append(
-                f"{line.name} ({task.label()}): unstable, the shear force falls as the "
-                f"displacement grows from {peak.falling:.4g} s on"
-            )
-        elif peak.unbalanced > 0.0:
-            messages.append(
-                f"{line.name} ({task.label()}): unstable, the overturning moment exceeds what the "
-                f"bearings can balance in {peak.unbalanced:.0f} steps"
-            )
-        if peak.uplift > 0.0:
-            messages.append(
-                f"{where.format(peak.least_bearing + 1)}: lifts by up to {peak.uplift:.3g} mm"
-            )
-        if peak.tension > 1.0:
-            messages.append(
-                f"{where.format(peak.least_bearing + 1)}: the rubber cavitates, with a damage of "
-                f"{peak.damage:.0%} and a tension of up to {-peak.least:.4g} kN"
-            )
+    """Return sentences on bearings that pass a limit of their axial force.
+
+    Lines of a run with the same sentence, such as those of equal piers, share one.
+    """
+    lines: dict[tuple[str, str], list[str]] = {}
+    for task, history in zip(tasks, histories, strict=True):
+        for a, number in enumerate(history.axial.lines if history.axial is not None else ()):
+            line = task.case.structure.bearings[number]
+            for sentence in _line_messages(history, a, line.count):
+                lines.setdefault((task.label(), sentence), []).append(line.name)
+    return [
+        f"{joined(names)}{sentence.format(run=run)}" for (run, sentence), names in lines.items()
+    ]
+
+
+def _line_messages(history: StructureHistory, a: int, count: int) -> list[str]:
+    """Return sentences on the bearings of a line, without its name and with a place for the run."""
+    assert history.axial is not None
+    peak, messages = history.axial.peaks[a], []
+    if peak.first >= 0.0:
+        messages.append(_unstable_message(history, a, count))
+    elif peak.falling >= 0.0:
+        messages.append(
+            " ({run}): unstable, the shear force falls as the displacement grows from "
+            f"{peak.falling:.4g} s on"
+        )
+    elif peak.unbalanced > 0.0:
+        messages.append(
+            " ({run}): unstable, the overturning moment exceeds what the bearings can balance in "
+            f"{peak.unbalanced:.0f} steps"
+        )
+    least = f", bearing {peak.least_bearing + 1:.0f} of {count} ({{run}}): "
+    if peak.uplift > 0.0:
+        messages.append(
+            f"{least}lifts, first at {peak.least_time:.4g} s; the largest uplift is "
+            f"{peak.uplift:.3g} mm"
+        )
+    if peak.tension > 1.0:
+        messages.append(
+            f"{least}the rubber cavitates, with a damage of {peak.damage:.0%} and a tension of up "
+            f"to {-peak.least:.4g} kN"
+        )
     return messages
 
 
@@ -228,6 +239,24 @@ def dead_load_on(structure: Structure, name: str) -> float:
         sum(line.axial.dead_loads(line.count))
         for line in structure.bearings
         if line.base == name and line.axial is not None
+    )
+
+
+def _unstable_message(history: StructureHistory, a: int, count: int) -> str:
+    """Return where a line is first above its critical load: what comes later is no result."""
+    axial = history.axial
+    assert axial is not None
+    section, peak = axial.sections[a], axial.peaks[a]
+    moved = history.bearing(axial.lines[a])
+    # The first kept row from that step on; in studies, which keep fewer, it may be later.
+    row = min(int(np.searchsorted(moved["clock"], peak.first - EARLIER)), len(moved) - 1)
+    forces, limit = axial.force[row, int(section.first) : int(section.last)], axial.limit[row, a]
+    place, offset = place_of_largest(forces), np.linalg.norm(moved["displacement"][row])
+    return (
+        f", bearing {place + 1} of {count} ({{run}}): unstable from {peak.first:.4g} s on, with an "
+        f"axial force of {forces[place]:.4g} kN and a critical load of {limit:.4g} kN at "
+        f"{offset:.3g} mm; the line as a whole is then at {forces.sum() / (count * limit):.2f} of "
+        f"its critical load. Bearings of the line are above it for {peak.exceeded:.3g} s"
     )
 
 
@@ -274,10 +303,11 @@ def _weight_message(case: EarthquakeCase) -> str:
 def _vertical_periods(axial: AxialHistory) -> list[float]:
     """Return the period of the vertical motion on the bearings of each line, at the start [s]."""
     periods = []
-    for section in axial.sections:
-        bearings = slice(section["first"], section["last"])
+    for a in range(len(axial.lines)):
+        section = axial.sections[a]
+        bearings = slice(int(section.first), int(section.last))
         stiffness = float((axial.force[0, bearings] / axial.supports["offset"][bearings]).sum())
-        periods.append(2.0 * math.pi * math.sqrt(float(section["mass"]) / stiffness))
+        periods.append(2.0 * math.pi * math.sqrt(float(section.mass) / stiffness))
     return periods
 
 
@@ -343,6 +373,8 @@ def _axial_extremes(
                 "axial_exceeded_s": float(peak.exceeded),
                 "critical_share_line": float(peak.line_share),
                 "axial_force_min_kN": float(peak.least),
+                "axial_least_bearing": int(peak.least_bearing) + 1,
+                "axial_least_time_s": float(peak.least_time),
                 "cavitation_share": float(peak.tension),
                 "uplift_mm": float(peak.uplift),
                 "cavitation_damage": float(peak.damage),

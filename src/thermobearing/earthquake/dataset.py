@@ -215,10 +215,10 @@ def _collect_warnings(
     messages += [history.note for history in histories if history.note]
     checks = _vertical_checks(case, tasks, histories) + axial_check_rows(case, tasks, histories)
     checks += _twist_checks(case, tasks, histories)
+    messages += axial_messages(tasks, histories)
     messages += failed_checks(of_lead + checks)
     if checks:
         messages += _incomplete_checks(tasks, histories)
-    messages += axial_messages(tasks, histories)
     messages += p_delta_messages(tasks, histories) + measures.oil_messages(tasks)
     messages += loading_messages(case, tasks, histories)
     messages += _climate_messages(case)

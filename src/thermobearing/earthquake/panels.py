@@ -489,7 +489,9 @@ class Panels(drawing.Figures):
         if len(self._bearings) > 1:
             sides = [f"{bearing}\n{side}" for (bearing, _), side in zip(rows, sides, strict=True)]
         only = f", {sides[0]}" if len(rows) == 1 else ""
-        title = self._of()._title(f"axial forces of line {line}{only}", motions=True)
+        view = self._of()
+        view._data = self._data.assign_attrs({DIRECTION: ""})  # an axial force has none
+        title = view._title(f"axial forces of line {line}{only}", motions=True)
         labels = ("time [s]", "axial force [kN]")
         figure, cells = self._grid(
             title, AXIAL_PANEL, rows, motions, labels, heads=motions, sides=sides, share="col"

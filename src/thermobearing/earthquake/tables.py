@@ -288,13 +288,17 @@ def _peaks_table(
     if any(elsewhere):  # the strain of another line than the one with the largest
         marked["bearing_strain_max"] = list(map(gt, marked["bearing_strain_max"], elsewhere))
         marked["motion"] = list(map(or_, marked["motion"], elsewhere))
+    if VALID_UNTIL in frame:
+        invalid = frame[VALID_UNTIL].notna()
+        marked |= {name: list(map(or_, marked.get(name, invalid), invalid)) for name in names}
     causes = sorted(TESTED[limit][1] for limit in other_limits)
     if any(elsewhere):
         causes.append("strain of other lines")
     sentences = _peaks_sentences(result, frame, names)
     if any(any(flags) for flags in marked.values()):
         of_motion = f" (a marked motion: {', '.join(causes)})" if causes else ""
-        sentences.append(f"Marked values are outside the calibration range{of_motion}.")
+        other = "Other marked" if VALID_UNTIL in frame else "Marked"
+        sentences.append(f"{other} values are outside the calibration range{of_motion}.")
     specimen = result.dataset.attrs.get("specimen", "")
     at_specimen = f", specimen at {specimen}" if specimen else ""
     return make_table(
