@@ -336,3 +336,7 @@ QUADRATURE_OF_TAILS = 2e-3  # 10^5 classes of equal probability lose some of the
 
 # --- Cold town ---------------------------------------------------------------------------------
 LEVEL_FOR_AN_HOUR = 5e-3  # of a peak: 2e-3 measured; layers differ by 2 K, levels by 3 K
+OPENSEES_AXIAL = 3e-6  # vertical stiffness, shear under an axial force; its pi has six digits
+OPENSEES_CAVITATION = 3e-6  # loops of tension, of the cavitation force
+OPENSEES_AXIAL_EARTHQUAKE = 1.5e-3  # peaks; 1.47e-3 measured, of its backward Euler step
+OPENSEES_AXIAL_LINE = 7e-3  # axial forces of five bearings, of their range
