@@ -384,6 +384,24 @@ def _axial_extremes(
     return rows
 
 
+AXIAL_COLUMNS = (  # of the table of runs of a study
+    "critical_share",
+    "axial_force_min_kN",
+    "cavitation_share",
+    "uplift_mm",
+)
+
+
+def run_extremes(axial: AxialHistory | None) -> dict[str, float]:
+    """Return `AXIAL_COLUMNS` of a run, of all lines; nothing where axial forces do not act."""
+    if axial is None:
+        return {}
+    peaks: Any = axial.peaks
+    largest = [float(peaks[name].max()) for name in ("share", "tension", "uplift")]
+    values = largest[0], float(peaks["least"].min()), *largest[1:]
+    return dict(zip(AXIAL_COLUMNS, values, strict=True))
+
+
 def axial_table(rows: "pd.DataFrame") -> Table:
     """Return the extremes of axial forces that act on the shear force, of each line and run."""
     names = [] if rows.empty else [str(name) for name in rows]

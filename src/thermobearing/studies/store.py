@@ -34,6 +34,7 @@ from thermobearing.border.opener import LARGEST_STORE, append_text, opened, read
 from thermobearing.border.text_file import replacing, write_file, write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compiled.sources import kernels_digest
+from thermobearing.earthquake.axial import AXIAL_COLUMNS
 from thermobearing.earthquake.dataset import padded
 from thermobearing.earthquake.measures import HISTORIES
 from thermobearing.quantities.register import quantity
@@ -345,7 +346,7 @@ class Store:
         if result.histories:
             self.write_histories(f"{shard:05d}.nc", result.histories)
         labels = _read_labels(self.directory / PLAN) | {
-            name: _label(name) for name in RESULT_COLUMNS
+            name: _label(name) for name in (*RESULT_COLUMNS, *AXIAL_COLUMNS) if name in result.table
         }
         with self._writing():
             write_whole(self._file(shard), _parquet_bytes(result.table, labels, self._notes(shard)))

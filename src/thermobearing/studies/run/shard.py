@@ -26,6 +26,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake import measures
+from thermobearing.earthquake.axial import AXIAL_COLUMNS, run_extremes
 from thermobearing.earthquake.run import Task, find_outcome, lines_to_shake, run_task
 from thermobearing.laws import load_again, loaded_files
 from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES
@@ -131,7 +132,7 @@ def _to_shake(task: Task) -> Run:
 def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
     lines, piers = measures.line_peaks(task, history), measures.pier_peaks(task, history)
     end_displacements = [history.bearing(line)["displacement"][-1] for line in range(len(lines))]
-    return _row(
+    row = _row(
         task,
         measures.compute_measures(task, history, traces, (lines, piers)),
         end_displacements=np.array(end_displacements),
@@ -140,6 +141,7 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
         rubber=(line["line_rubber_temperature_max"] for line in lines),
         lead=(line["line_lead_temperature_max"] for line in lines),
     )
+    return row | run_extremes(history.axial)
 
 
 def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
@@ -275,7 +277,7 @@ def _not_run(error: Exception) -> Measured:
     outcome, sentence = BROKEN, f"error of the program: {type(error).__name__}: {error}"
     if isinstance(error, InputError):
         outcome, sentence = BAD_INPUT, " ".join(str(error).split())
-    numbers = {name: 0 if name in COUNTS else np.nan for name in RESULT_COLUMNS}
+    numbers = {name: 0 if name in COUNTS else np.nan for name in (*RESULT_COLUMNS, *AXIAL_COLUMNS)}
     return Measured(numbers | {"outcome": outcome, "sentence": sentence})
 
 
@@ -345,7 +347,8 @@ def compute_shard(
         if run.traces is not None
     )
     columns: dict[str, Any] = {}
-    for name in RESULT_COLUMNS:
+    acts = preparer.study.case.analysis.has_axial
+    for name in (*RESULT_COLUMNS, *(AXIAL_COLUMNS if acts else ())):
         values = [run.numbers[name] for run in runs]
         kind = np.int64 if name in COUNTS else np.float64
         columns[name] = values if name in TEXTS else np.array(values, dtype=kind)
