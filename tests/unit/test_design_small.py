@@ -19,6 +19,7 @@ from thermobearing.design import sizing as equal
 from thermobearing.design.case import LineGroup, _settle_groups, bearing_weight, make_design_case
 from thermobearing.design.run import run_design, run_factors
 from thermobearing.design.sizing import load_rubber, shear_modulus
+from thermobearing.structure.model import AxialTable, load_structure
 
 
 def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:
@@ -287,3 +288,24 @@ def test_bounds_are_shaken_by_the_motions_of_hard_ground() -> None:
     assert bounds.first_motions() == [
         f"jra-{kind}-i-{seed}" for kind in ("i", "ii") for seed in (1, 2, 3)
     ]
+
+
+def test_a_size_with_an_unstable_run_is_not_proposed() -> None:
+    """Of two dead loads on the same layered bearing, one exceeds its critical load.
+
+    What then ends the run, rubber that decomposes, is a consequence.
+    """
+    pier = load_structure("pier-p1")
+    verdicts = {}
+    for load in (800.0, 9000.0):
+        lines = [pier.bearings[0].model_copy(update={"axial": AxialTable(dead_load=(load,))})]
+        structure = pier.model_copy(update={"bearings": lines})
+        given: dict[str, Any] = {"motions": ["jra-ii-i-1"], "tolerance": 0.1, "ambient": [23.0]}
+        case = make_design_case({}, "test", structure=structure, axial="dead", **given)
+        design = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
+        (row,) = design.temperatures.to_dict("records")
+        verdicts[load] = row["verdict"], "unstable" in row["fails"].split()
+    assert verdicts[800.0] == ("OK", False)
+    assert verdicts[9000.0] == ("NG", True)
+    with pytest.raises(tb.InputError, match="dead_load"):
+        make_design_case({}, "test", axial="dead")

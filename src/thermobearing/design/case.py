@@ -13,7 +13,7 @@ from thermobearing.border.toml import to_toml
 from thermobearing.cyclic.case import Ambients
 from thermobearing.design.peaks import PeakRule
 from thermobearing.design.sizing import Kind, SizingRules, load_rubber
-from thermobearing.earthquake.case import make_earthquake_case
+from thermobearing.earthquake.case import AxialLevel, make_earthquake_case
 from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.structure.fields import GROUND, Name
@@ -55,6 +55,9 @@ class DesignCase(Strict):
     sizing : rules of plan and layers.
     equal : names of layered bearings that are to be scaled to the same K_B.
     ambient : temperature at which layered bearings are checked [degC], in [-100, 100].
+    axial : axial forces that act on the shear force of layered bearings, on lines of the structure
+        with a table `axial`: "off" (default), "dead", "overturning" or "vertical". A size with an
+        unstable run has the verdict NG.
     peaks : peak response to several motions: "mean" of a group of motions (the largest of fewer
         than three), and the largest of all groups; "mean of seven" likewise of seven; or "largest"
         of all motions (data/design/peaks.toml).
@@ -77,6 +80,7 @@ class DesignCase(Strict):
     equal: list[str] = ["shen-hdr-bridge", "shen-lhdr-bridge"]  # noqa: RUF012 (pydantic copies it)
 
     ambient: Annotated[Ambients, Field(max_length=100)] = [23.0, 0.0, -20.0]  # noqa: RUF012
+    axial: AxialLevel | None = None  # None: off
     peaks: PeakRule = "mean"
 
     @property
@@ -99,6 +103,8 @@ def make_design_case(
     study: dict[str, Any] = {"command": "bridge", "bearings": ["shen-bilinear-bridge"]}
     study |= {key: table[key] for key in ("structure", "motions", "fixed_base") if key in table}
     table.pop("fixed_base", None)
+    if table.get("axial") not in (None, "off"):  # bilinear bearings of the rounds have none
+        study |= {"bearings": ["shen-hdr-bridge"], "analysis": {"axial": table["axial"]}}
     settled = make_earthquake_case(study, where, folder)
     table["structure"], table["motions"] = settled.structure, settled.motions
     case = validated(DesignCase, table, where)

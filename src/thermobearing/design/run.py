@@ -63,6 +63,7 @@ def _round_analysis(
         for group, bearing in zip(groups[1:], bearings[1:], strict=True)
         for line in group.lines
     ]
+    layered = all(isinstance(bearing, Bearing) for bearing in bearings)
     return make_earthquake_case(
         {"command": "bridge"},
         "design",
@@ -74,6 +75,7 @@ def _round_analysis(
         dt=case.dt,
         mass=case.mass,
         state=state,
+        axial=case.axial if layered else None,
     )
 
 

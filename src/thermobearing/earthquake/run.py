@@ -56,6 +56,7 @@ from thermobearing.model.effort import analysis_too_much
 from thermobearing.model.handover import begun_from
 from thermobearing.model.options import ModelKeywords, ModelOptions, build_model, model_table
 from thermobearing.model.outcomes import (
+    INTERRUPTED,
     NOT_PHYSICAL,
     PIER_BEYOND_LIMIT,
     UNSTABLE,
@@ -69,7 +70,6 @@ from thermobearing.structure.model import (
     list_hinges,
 )
 from thermobearing.structure.run import (
-    OUTCOMES,
     Line,
     Prepared,
     StructureHistory,
@@ -77,14 +77,14 @@ from thermobearing.structure.run import (
     run_structure,
     start_under_load,
 )
-from thermobearing.structure.types import DIVERGED, NO_EQUILIBRIUM
 
 Progress = Callable[[int, int], None]
 WORKERS = 2  # at least
 BILINEAR_STRAIN = 100.0  # largest of a bilinear bearing: a design may begin far off
 AT_REST = 1e9  # clock of a core whose half-space has settled [s]
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
-FAILED_TO_CONVERGE = (OUTCOMES[NO_EQUILIBRIUM], OUTCOMES[DIVERGED])
+# Any other end of a run after a bearing has become unstable is a consequence of that.
+NOT_OF_INSTABILITY = (COMPLETED, NOT_PHYSICAL, INTERRUPTED)
 BLIND = np.zeros(1)  # temperature of a bilinear bearing, which has none: no rounding there [degC]
 
 
@@ -241,7 +241,7 @@ def run_task(task: Task) -> StructureHistory:
         keep_cells="cells" in case.analysis.keep,
         vertical=shaking.vertical,
     )
-    if history.outcome in FAILED_TO_CONVERGE and is_unstable(history.axial):
+    if history.outcome not in NOT_OF_INSTABILITY and is_unstable(history.axial):
         return replace(history, outcome=UNSTABLE)
     # Instruments were zeroed after an earlier test, where the bearing kept a displacement.
     if case.initial_state is not None and case.initial_state.zero:
