@@ -1,11 +1,13 @@
 """What an analysis with axial forces shows: figure, warnings, and where results end."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import thermobearing as tb
 from tests.verification.test_vertical import _case
 from thermobearing.earthquake.axial import axial_forces_change, governing_axial_line, valid_until
+from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.options import build_model
 
@@ -120,3 +122,14 @@ def test_warnings_on_dead_loads_and_steps(results):
     assert _count(results["unstable"], "vertical period") == 0  # which does not move vertically
     heavy = run_earthquake(_case("vertical", dead_load="800 kN", mass="4000 t"))
     assert _count(heavy, "vertical period") == 0
+
+
+def test_saved_results_have_the_table_and_the_figure(results, tmp_path):
+    folder = results["light"].save(tmp_path / "light", figures=False)
+    table = pd.read_csv(folder / "axial.csv")
+    assert table["axial_force_min_kN"].tolist() == pytest.approx(
+        results["light"].axial["axial_force_min_kN"].tolist()
+    )
+    assert "axial_forces" in tb.load_result(folder).plot.draw_all()
+    pieces = build_pieces(tb.load_result(folder))
+    assert "cavitates" in pieces.figures["axial_forces"].caption

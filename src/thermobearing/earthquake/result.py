@@ -666,7 +666,7 @@ class EarthquakeResult(DatasetResult):
     def _write(self, folder: Path) -> None:
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         write_csv(folder / directory.TABLE, self.table)
-        frames = {directory.MODES: self.modes_table}
+        frames = {directory.MODES: self.modes_table, directory.AXIAL: self.axial}
         if self.in_plan:
             frames[directory.DIRECTIONS] = self.by_direction()
         frames[directory.COMPONENTS] = self.components

@@ -173,7 +173,7 @@ RESOLVED, FIGURES, COMPARISON = "case.resolved.toml", "figures", "comparison.csv
 TABLE, MODES, RIG, TESTED_RANGE = "table.csv", "modes.csv", "rig.csv", "tested_range.csv"
 PARTS, LINES, PIERS = "parts", "lines.csv", "piers.csv"
 DIRECTIONS, COMPONENTS, ROTATION = "directions.csv", "components.csv", "rotation.csv"
-BANDS = "bands.csv"
+BANDS, AXIAL = "bands.csv", "axial.csv"
 STRUCTURE_PARTS, PERIODS, FRAME_PERIODS = "parts.csv", "periods.csv", "frame.csv"
 IDENTIFIED, COMPOUND = "bearing.toml", "compound.toml"
 FIT_TABLE, SAMPLES, SIDECARS = "fit.csv", "posterior.csv", "sidecars"
@@ -189,6 +189,7 @@ TITLE, LOGO, QUOFEM = "report.toml", "report-logo", "quofem"
 PROPERTIES, LINKS, MODES_FILE = "properties.csv", "links.txt", "modes.csv"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
+    AXIAL,
     BANDS,
     BEARINGS,
     BOUNDS,
