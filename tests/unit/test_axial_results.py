@@ -133,3 +133,18 @@ def test_saved_results_have_the_table_and_the_figure(results, tmp_path):
     assert "axial_forces" in tb.load_result(folder).plot.draw_all()
     pieces = build_pieces(tb.load_result(folder))
     assert "cavitates" in pieces.figures["axial_forces"].caption
+
+
+def test_a_warning_before_a_limit():
+    """Of a bearing that comes within a fifth of its critical load, and not of one farther off."""
+    near, far = (run_earthquake(_case("dead", dead_load=load)) for load in ("9000 kN", "6000 kN"))
+    assert near.outcome == far.outcome == "completed"
+    share = near.axial["critical_share"].iloc[0]
+    assert 0.8 < share < 1.0
+    assert far.axial["critical_share"].iloc[0] < 0.8
+    texts = [
+        [text for text in result.warnings if "of its critical load at" in text]
+        for result in (near, far)
+    ]
+    assert [len(sentences) for sentences in texts] == [1, 0]
+    assert f"{share:.2f}" in texts[0][0]

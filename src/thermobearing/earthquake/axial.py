@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
 
 EARLIER = 1e-9  # [s] by which rounding may move a step
+NEAR = 0.8  # of a limit of axial forces, from which on a warning says so
 LEAST_STEPS = 10.0  # of a period of vertical motion
 WEIGHT_TOLERANCE = 0.2  # of the weight above all bearing lines: of the sum of dead loads
 
@@ -192,6 +193,12 @@ def _line_messages(history: StructureHistory, a: int, count: int) -> list[str]:
             " ({run}): unstable, the overturning moment exceeds what the bearings can balance in "
             f"{peak.unbalanced:.0f} steps"
         )
+    elif peak.share > NEAR:
+        messages.append(
+            f", bearing {peak.share_bearing + 1:.0f} of {count} ({{run}}): reaches "
+            f"{peak.share:.2f} of its critical load at {peak.share_time:.4g} s and "
+            f"{peak.share_x:.3g} mm, with an axial force of {peak.share_force:.4g} kN"
+        )
     least = f", bearing {peak.least_bearing + 1:.0f} of {count} ({{run}}): "
     if peak.uplift > 0.0:
         messages.append(
@@ -202,6 +209,11 @@ def _line_messages(history: StructureHistory, a: int, count: int) -> list[str]:
         messages.append(
             f"{least}the rubber cavitates, with a damage of {peak.damage:.0%} and a tension of up "
             f"to {-peak.least:.4g} kN"
+        )
+    elif peak.tension > NEAR:
+        messages.append(
+            f"{least}reaches {peak.tension:.2f} of the tension at which its rubber cavitates at "
+            f"{peak.least_time:.4g} s, with {-peak.least:.4g} kN"
         )
     return messages
 
