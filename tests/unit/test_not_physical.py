@@ -42,8 +42,8 @@ from thermobearing.structure.run import (
     SPECIMEN_LOST,
     Method,
 )
-from thermobearing.studies.run.engine import count_failures
 from thermobearing.studies.statistics.demand import counted
+from thermobearing.studies.tables import count_failures
 
 LIMITS = temperature_limits()
 LEAD = "shen-lhdr-specimen"

@@ -29,7 +29,7 @@ from thermobearing.results import drawing
 from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import AMBIENT, Plan
-from thermobearing.studies.report import _input_tables, build_pieces, result_tables
+from thermobearing.studies.report import _input_tables, build_pieces
 from thermobearing.studies.result import (
     Question,
     SiteHazard,
@@ -44,6 +44,7 @@ from thermobearing.studies.run.engine import repeat_run
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.statistics.demand import in_classes, worst_runs
 from thermobearing.studies.statistics.hazard import Hazard
+from thermobearing.studies.tables import result_tables
 
 MOTIONS = [f"jra-ii-{ground}-{number}" for ground in ("i", "ii") for number in (1, 2, 3)]
 INTENSITY = np.geomspace(0.5, 60.0, 8)

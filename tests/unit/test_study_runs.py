@@ -33,7 +33,6 @@ from thermobearing.studies.result import study_result
 from thermobearing.studies.run.engine import (
     Pace,
     _only_writer,
-    count_failures,
     run_study,
     say_duration,
     study_status,
@@ -50,6 +49,7 @@ from thermobearing.studies.store import (
     _read_notes,
     _shard_size,
 )
+from thermobearing.studies.tables import count_failures
 
 ROUNDING = {"structure_residual", "mechanical_residual", "thermal_residual"}
 PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]

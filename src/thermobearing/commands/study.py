@@ -228,8 +228,8 @@ def _worst(
 ) -> Answer:
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.results.screen import say, show_table
-    from thermobearing.studies.report import worst_table
     from thermobearing.studies.result import study_result
+    from thermobearing.studies.tables import worst_table
 
     result = study_result(directory)
     table = result.worst(count, options.get("demand"))

@@ -13,10 +13,9 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.motions.spectrum import DAMPING
 from thermobearing.quantities.governing import order_from_least
-from thermobearing.report.content import words
 from thermobearing.results import drawing
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.result import CLIMATE, StudyResult
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import (
     counted,
     describe_failures,
@@ -24,30 +23,9 @@ from thermobearing.studies.statistics.demand import (
     in_classes,
 )
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
-from thermobearing.studies.statistics.hazard import Hazard, Rate
+from thermobearing.studies.statistics.hazard import CLIMATE, Hazard, Rate
 from thermobearing.studies.statistics.variance import REST, sampling_note
-
-NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
-
-
-def column_words(column: str) -> str:
-    """Return the words of a column without its unit: "largest pier displacement"."""
-    if ", " in column:  # several factors that are drawn together
-        return ", ".join(map(column_words, column.split(", ")))
-    if "." in column:
-        return column
-    name = NAMES.get(column) or words(column)[0]
-    return f"largest {name.removesuffix(' max')}" if name.endswith(" max") else name
-
-
-def find_unit(column: str) -> str:
-    """Return the unit in the name of a column, such as "m/s"; "" without one."""
-    return "" if "." in column else words(column)[1]
-
-
-def limit_words(result: StudyResult) -> str:
-    """Return the capacity with its unit: "250 mm"."""
-    return f"{result.capacity:g} {find_unit(result.demand_name)}".strip()
+from thermobearing.studies.tables import column_words, find_unit, limit_words
 
 
 def _title(column: str) -> str:

@@ -1,6 +1,6 @@
-"""Tables and report of a parameter study."""
+"""Report of a parameter study."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,35 +11,33 @@ from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.border.toml import to_table
 from thermobearing.model.outcomes import heat_flow
-from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.quantities.register import Quantity
-from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import counted, joined, number, tidy
 from thermobearing.report.content import figure_captions, pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.saved import SavedResult
-from thermobearing.studies.definition.designs import AMBIENT, Plan
+from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.definition.record import stated_laws
-from thermobearing.studies.figures import StudyFigures, column_words, find_unit, limit_words
-from thermobearing.studies.result import CLIMATE, StudyResult
-from thermobearing.studies.run.engine import count_failures, failures_table
+from thermobearing.studies.figures import StudyFigures
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import OUTCOME, failure_rule
 from thermobearing.studies.statistics.fragility import Fragility
-from thermobearing.studies.statistics.hazard import Rate
-from thermobearing.studies.statistics.variance import sampling_note
-from thermobearing.studies.store import label_plan
+from thermobearing.studies.tables import (
+    answer,
+    column_units,
+    column_words,
+    limit_words,
+    result_tables,
+    worst_table,
+)
 
 UNKNOWN = (
     "The table of runs does not contain the calibration ranges of the bearings; repeat a run to "
     "see them."
 )
 MOST_LEVELS = 12  # that are named
-TOO_FEW = "too few"  # motions or levels for a number
-RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
-RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
-RATE_UNITS |= {"return_period_years": "year"}
-IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "sentence"]  # not in a table of curves
 
 
 def build_pieces(result: Any) -> Pieces:
@@ -83,65 +81,9 @@ def _scope(result: StudyResult) -> str:
     return f"Probability{rates} of a {words} above {limit_words(result)}, from {runs}."
 
 
-def answer(result: StudyResult) -> list[str]:
-    """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
-    demand = result.demand_name
-    modes = [
-        f"{row['runs']} {row['outcome'].replace('_', ' ')}"
-        for row in count_failures(result.table).to_dict("records")
-    ]
-    lost = f"; {counted(result.failed, 'run')} failed ({', '.join(modes)})" if modes else ""
-    planned = int(result.manifest.get("runs", result.runs))
-    completion = (
-        f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
-    )
-    sentences = [f"{completion}{lost}."]
-    parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
-    if AMBIENT in result.factors:
-        unit = f" {find_unit(demand)}".rstrip()
-        for prefix, part in parts.items():
-            rows = part.demand(by=(), failed=result.question.failed).to_dict("records")
-            ends = " and ".join(
-                f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
-                for row in (rows[0], rows[-1])
-            )
-            sentences.append(f"{prefix}the median of the {column_words(demand)} is {ends}.")
-    if result.question.hazard is not None:
-        for prefix, part in parts.items():
-            curves, rates = part.find_rates()
-            row = part.rates_table(curves, rates).iloc[-1]
-            where = f"over the {CLIMATE}" if row["name"] == CLIMATE else _temperature(row["name"])
-            period = _period(rates[row["name"]])
-            warm = _temperature(list(curves)[-1])
-            ratio = ""
-            if 0.0 < row["over_reference"] < np.inf and _temperature(row["name"]) != warm:
-                ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
-                # Too few motions have no band.
-                if not rates[row["name"]].few_motions:
-                    ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
-            sentences.append(f"{prefix}{where}: {period}{ratio}.")
-    return sentences
-
-
-def _period(rate: Rate) -> str:
-    """Return the return period with its band, or a bound."""
-    if np.isnan(rate.rate):
-        return "there is no fragility curve; see the tables"
-    if rate.rate == 0.0:
-        bound = f": the return period is at least {1.0 / rate.high:.3g} years"
-        return f"no run exceeds the capacity{bound if rate.high > 0.0 else ''}"
-    last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
-    band = rate.few_motions or f"{1.0 / rate.high:.3g}{last}"
-    return f"exceeded once in {rate.return_period:.3g} years ({band})"
-
-
-def _temperature(name: Any) -> str:
-    return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
-
-
 def _input_tables(result: StudyResult) -> dict[str, Table]:
     """Return the factors that vary, and the design."""
-    rows, units = [], _units(result)
+    rows, units = [], column_units(result)
     for name in result.factors:
         values = result.table[name]
         levels = list(values.unique())
@@ -183,143 +125,6 @@ def _constant_rows(result: StudyResult) -> list[tuple[str, str]]:
     rows += [(f"law of {name}", law) for name, law in laws.items()]
     duration = result.study.case.duration
     return rows + ([("duration", f"at most {duration:g} s")] if duration else [])
-
-
-def _units(result: StudyResult) -> dict[str, str]:
-    labels = label_plan(Plan(result.study), result.factors)
-    return {name: find_unit(name) or unit.removeprefix("1") for name, (unit, _) in labels.items()}
-
-
-def result_tables(result: StudyResult) -> dict[str, Table]:
-    """Return failures, demand, fragility, rates and variance, as far as the study has them."""
-    demand, question = result.demand_name, result.question
-    tables: dict[str, Table] = {}
-    failures = count_failures(result.table)
-    if len(failures):
-        tables["outcomes"] = failures_table(failures)
-    if AMBIENT in result.factors:
-        table = result.demand(failed=question.failed)
-        shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
-        units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
-        caption = f"{column_words(demand)} by ambient temperature"
-        tables["demand"] = _table(table, caption, units=units, heads=shares)
-    if result.table[result.intensity].nunique() > 1 and question.capacity is not None:
-        for name, part in result.parts().items():
-            tables |= _curve_tables(part, name)
-    if result.has_variance:
-        table = result.variance()
-        table["factor"] = table["factor"].map(column_words)
-        rows, failed = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
-        note = f"{rows} {'samples' if 'total' in table else 'runs'}, {failed} failed and left out."
-        note = f"{note} {sampling_note(table)}".strip()
-        caption = f"Shares of the variance of the {column_words(demand)}"
-        tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
-    return tables
-
-
-def worst_table(result: StudyResult, worst: "pd.DataFrame") -> Table:
-    """Return `StudyResult.worst` as a table for readers."""
-    caption = "The worst runs, and the first of each failure mode"
-    return _table(worst.drop(columns="id"), caption, units=_units(result))
-
-
-def _curve_tables(part: StudyResult, name: str) -> dict[str, Table]:
-    """Return the tables of fragility and rates of one structure and bearing."""
-    of, ending = (f", {name}", f"-{name}") if name else ("", "")
-    hazard = part.question.hazard is not None
-    curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
-    table = pd.DataFrame([curve.row() for curve in curves.values()])
-    notes: dict[str, list[str]] = {}
-    for level, sentence in zip(curves, table["sentence"], strict=True):
-        notes.setdefault(sentence, []).append(_temperature(level))
-    for level, curve in curves.items():
-        for text in filter(None, (curve.beyond_levels, curve.wide_bands)):
-            notes.setdefault(text, []).append(_temperature(level))
-    table["name"] = [_temperature(level) for level in curves]
-    ambient = _head(column_words(AMBIENT))
-    im, unit = column_words(part.intensity), find_unit(part.intensity)
-    medians = [end for end in map(str, table) if end.startswith("median")]
-    heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
-    units = dict.fromkeys(medians, unit)
-    if unit == "m/s²":  # levels are often given in g
-        in_g = table["median"] / (STANDARD_GRAVITY / 1000.0)
-        table.insert(list(table).index("median") + 1, "median_g", in_g)
-        heads["median_g"], units["median_g"] = heads["median"], "g"
-    _mark_too_few(table, curves)
-    demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
-    tables = {
-        f"fragility{ending}": _table(
-            table.drop(columns=IN_CAPTION),
-            f"{demand}: lognormal fragility by {part.question.method}{of}",
-            units=units,
-            heads=heads | {"name": ambient, "beyond": "Exceedances"},
-            note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
-        )
-    }
-    if rates:
-        rows = part.rates_table(curves, rates)
-        few_motions = [rate.few_motions for rate in rates.values()]
-        _mark_cells(rows, np.array([bool(text) for text in few_motions]), RATE_BANDS)
-        rows["name"] = rows["name"].map(_temperature)
-        over = f"Ratio to {_temperature(list(curves)[-1])}"
-        heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
-        heads |= {"return_period_years": "Return period", "over_reference": over}
-        heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
-        tables[f"rates{ending}"] = _table(
-            rows.drop(columns=["reference", "notes"]),
-            f"Annual rates{of}",
-            units=RATE_UNITS,
-            heads=heads,
-            note="; ".join(dict.fromkeys(text for text in [*few_motions, *rows["notes"]] if text)),
-        )
-    return tables
-
-
-def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> None:
-    """Put words in place of the bands of few motions, and of medians beyond all intensities."""
-    beyond = np.array([bool(curve.beyond_levels) for curve in curves.values()])
-    with_few_motions = np.array([bool(curve.few_motions) for curve in curves.values()])
-    sizes = [name for name in map(str, table) if name.startswith(("median", "dispersion"))]
-    _mark_cells(table, beyond, sizes)
-    _mark_cells(
-        table,
-        with_few_motions & ~beyond,
-        [name for name in sizes if name.endswith(("_low", "_high"))],
-    )
-
-
-def _mark_cells(table: "pd.DataFrame", rows: "np.ndarray[Any, Any]", names: Sequence[str]) -> None:
-    """Put "too few" in some rows of some columns."""
-    for name in names if rows.any() else ():
-        table[name] = table[name].astype(object).where(~rows, TOO_FEW)
-
-
-def _head(words: str) -> str:
-    if "." in words:  # a key of a file, such as bearing.K_r
-        return words
-    words = words.replace("_", " ")
-    return f"{words[:1].upper()}{words[1:]}" if len(words.split(" ")[0]) > 1 else words
-
-
-def _table(
-    frame: "pd.DataFrame",
-    caption: str,
-    *,
-    units: Mapping[str, str] | None = None,
-    heads: Mapping[str, str] | None = None,
-    note: str = "",
-) -> Table:
-    """Return a table; `units` and `heads` are those that the names of the columns do not give."""
-    columns = [
-        Quantity(
-            (heads or {}).get(name) or _head(column_words(name)),
-            (units or {}).get(name) or find_unit(name),
-            "d" if frame[name].dtype.kind in "iu" else ".4g",
-            name=name,
-        )
-        for name in map(str, frame)
-    ]
-    return make_table(frame, columns, f"{caption[:1].upper()}{caption[1:]}", note=note)
 
 
 def _figures(result: StudyResult) -> dict[str, ReportFigure]:

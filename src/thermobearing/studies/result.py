@@ -59,6 +59,7 @@ from thermobearing.studies.statistics.fragility import (
     ida_curves,
 )
 from thermobearing.studies.statistics.hazard import (
+    CLIMATE,
     Hazard,
     Rate,
     annual_rate,
@@ -73,8 +74,8 @@ from thermobearing.studies.statistics.variance import (
     variance_shares,
 )
 from thermobearing.studies.store import MANIFEST, STUDY, Store
+from thermobearing.studies.tables import answer, result_tables
 
-CLIMATE = "climate"
 FACES = ("upper_face", "lower_face", "side")
 
 
@@ -314,14 +315,10 @@ class StudyResult(Result):
 
     def tables(self) -> dict[str, Table]:
         """Return tables of failures, demand, fragility, rates and variance, where they exist."""
-        from thermobearing.studies.report import result_tables
-
         return result_tables(self)
 
     def notes(self) -> list[str]:
         """Return the summary of results in sentences."""
-        from thermobearing.studies.report import answer
-
         return answer(self)
 
     def demand(

@@ -30,9 +30,6 @@ from thermobearing.border.opener import is_file
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_task
-from thermobearing.model.outcomes import MELTED
-from thermobearing.quantities.register import Quantity
-from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import check_target, locked
 from thermobearing.results.screen import print_facts, say, show_table
@@ -54,6 +51,7 @@ from thermobearing.studies.run.shard import (
 )
 from thermobearing.studies.statistics.demand import RANKED, worst_runs
 from thermobearing.studies.store import HISTORIES_FOLDER, MANIFEST, WORST, Store, open_or_make
+from thermobearing.studies.tables import count_failures, failures_table
 
 if TYPE_CHECKING:
     from thermobearing.studies.result import StudyResult
@@ -167,34 +165,6 @@ def _peak_memory() -> float | None:
     unit = 1 if sys.platform == "darwin" else 1024  # [bytes]
     processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
     return 1e-6 * unit * max(resource.getrusage(process).ru_maxrss for process in processes)
-
-
-def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
-    """Return number, share, first run and sentence of each failure mode.
-
-    Runs whose lead melted come first, then the others by frequency.
-    """
-    failed = table[table["outcome"] != COMPLETED]
-    groups = failed.groupby("outcome", sort=True, observed=True)
-    failures = groups.agg(
-        runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first")
-    )
-    failures.insert(1, "share", failures["runs"] / max(len(table), 1))
-    failures = failures.sort_values("runs", ascending=False, kind="stable").reset_index()
-    failures = failures.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
-    return failures.reset_index(drop=True)
-
-
-def failures_table(failures: "pd.DataFrame") -> Table:
-    """Return `count_failures` as a table for readers."""
-    columns = [
-        Quantity("Outcome", form=".3g", name="outcome"),
-        Quantity("Runs", form="d", name="runs"),
-        Quantity("Share", form=".3g", name="share"),
-        Quantity("First run", form="d", name="first"),
-        Quantity("Explanation", name="sentence"),
-    ]
-    return make_table(failures, columns, "Failed runs")
 
 
 TRIED = 16  # runs that are timed

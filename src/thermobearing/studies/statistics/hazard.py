@@ -26,6 +26,7 @@ from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility, describe_few
 from thermobearing.tables.columns import plain_title, read_columns
 
+CLIMATE = "climate"  # name of the curve over all temperatures of a climate
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step

@@ -1,0 +1,272 @@
+"""Tables of a parameter study, and its summary in sentences."""
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from thermobearing.border.lazy import pd
+from thermobearing.model.outcomes import MELTED
+from thermobearing.motions.record import STANDARD_GRAVITY
+from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.words import counted, joined, number
+from thermobearing.report.content import words
+from thermobearing.results.base import COMPLETED
+from thermobearing.studies.definition.designs import AMBIENT, Plan
+from thermobearing.studies.statistics.fragility import Fragility
+from thermobearing.studies.statistics.hazard import CLIMATE, Rate
+from thermobearing.studies.statistics.variance import sampling_note
+from thermobearing.studies.store import label_plan
+
+if TYPE_CHECKING:
+    from thermobearing.studies.result import StudyResult
+
+NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
+TOO_FEW = "too few"  # motions or levels for a number
+RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
+RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
+RATE_UNITS |= {"return_period_years": "year"}
+IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "sentence"]  # not in a table of curves
+
+
+def column_words(column: str) -> str:
+    """Return the words of a column without its unit: "largest pier displacement"."""
+    if ", " in column:  # several factors that are drawn together
+        return ", ".join(map(column_words, column.split(", ")))
+    if "." in column:
+        return column
+    name = NAMES.get(column) or words(column)[0]
+    return f"largest {name.removesuffix(' max')}" if name.endswith(" max") else name
+
+
+def find_unit(column: str) -> str:
+    """Return the unit in the name of a column, such as "m/s"; "" without one."""
+    return "" if "." in column else words(column)[1]
+
+
+def limit_words(result: "StudyResult") -> str:
+    """Return the capacity with its unit: "250 mm"."""
+    return f"{result.capacity:g} {find_unit(result.demand_name)}".strip()
+
+
+def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
+    """Return number, share, first run and sentence of each failure mode.
+
+    Runs whose lead melted come first, then the others by frequency.
+    """
+    failed = table[table["outcome"] != COMPLETED]
+    groups = failed.groupby("outcome", sort=True, observed=True)
+    failures = groups.agg(
+        runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first")
+    )
+    failures.insert(1, "share", failures["runs"] / max(len(table), 1))
+    failures = failures.sort_values("runs", ascending=False, kind="stable").reset_index()
+    failures = failures.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
+    return failures.reset_index(drop=True)
+
+
+def failures_table(failures: "pd.DataFrame") -> Table:
+    """Return `count_failures` as a table for readers."""
+    columns = [
+        Quantity("Outcome", form=".3g", name="outcome"),
+        Quantity("Runs", form="d", name="runs"),
+        Quantity("Share", form=".3g", name="share"),
+        Quantity("First run", form="d", name="first"),
+        Quantity("Explanation", name="sentence"),
+    ]
+    return make_table(failures, columns, "Failed runs")
+
+
+def answer(result: "StudyResult") -> list[str]:
+    """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
+    demand = result.demand_name
+    modes = [
+        f"{row['runs']} {row['outcome'].replace('_', ' ')}"
+        for row in count_failures(result.table).to_dict("records")
+    ]
+    lost = f"; {counted(result.failed, 'run')} failed ({', '.join(modes)})" if modes else ""
+    planned = int(result.manifest.get("runs", result.runs))
+    completion = (
+        f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
+    )
+    sentences = [f"{completion}{lost}."]
+    parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
+    if AMBIENT in result.factors:
+        unit = f" {find_unit(demand)}".rstrip()
+        for prefix, part in parts.items():
+            rows = part.demand(by=(), failed=result.question.failed).to_dict("records")
+            ends = " and ".join(
+                f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
+                for row in (rows[0], rows[-1])
+            )
+            sentences.append(f"{prefix}the median of the {column_words(demand)} is {ends}.")
+    if result.question.hazard is not None:
+        for prefix, part in parts.items():
+            curves, rates = part.find_rates()
+            row = part.rates_table(curves, rates).iloc[-1]
+            where = f"over the {CLIMATE}" if row["name"] == CLIMATE else _temperature(row["name"])
+            period = _period(rates[row["name"]])
+            warm = _temperature(list(curves)[-1])
+            ratio = ""
+            if 0.0 < row["over_reference"] < np.inf and _temperature(row["name"]) != warm:
+                ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
+                # Too few motions have no band.
+                if not rates[row["name"]].few_motions:
+                    ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
+            sentences.append(f"{prefix}{where}: {period}{ratio}.")
+    return sentences
+
+
+def _period(rate: Rate) -> str:
+    """Return the return period with its band, or a bound."""
+    if np.isnan(rate.rate):
+        return "there is no fragility curve; see the tables"
+    if rate.rate == 0.0:
+        bound = f": the return period is at least {1.0 / rate.high:.3g} years"
+        return f"no run exceeds the capacity{bound if rate.high > 0.0 else ''}"
+    last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
+    band = rate.few_motions or f"{1.0 / rate.high:.3g}{last}"
+    return f"exceeded once in {rate.return_period:.3g} years ({band})"
+
+
+def _temperature(name: Any) -> str:
+    return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
+
+
+def column_units(result: "StudyResult") -> dict[str, str]:
+    """Return the unit of each factor, by its column."""
+    labels = label_plan(Plan(result.study), result.factors)
+    return {name: find_unit(name) or unit.removeprefix("1") for name, (unit, _) in labels.items()}
+
+
+def result_tables(result: "StudyResult") -> dict[str, Table]:
+    """Return failures, demand, fragility, rates and variance, as far as the study has them."""
+    demand, question = result.demand_name, result.question
+    tables: dict[str, Table] = {}
+    failures = count_failures(result.table)
+    if len(failures):
+        tables["outcomes"] = failures_table(failures)
+    if AMBIENT in result.factors:
+        table = result.demand(failed=question.failed)
+        shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
+        units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
+        caption = f"{column_words(demand)} by ambient temperature"
+        tables["demand"] = _table(table, caption, units=units, heads=shares)
+    if result.table[result.intensity].nunique() > 1 and question.capacity is not None:
+        for name, part in result.parts().items():
+            tables |= _curve_tables(part, name)
+    if result.has_variance:
+        table = result.variance()
+        table["factor"] = table["factor"].map(column_words)
+        rows, failed = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
+        note = f"{rows} {'samples' if 'total' in table else 'runs'}, {failed} failed and left out."
+        note = f"{note} {sampling_note(table)}".strip()
+        caption = f"Shares of the variance of the {column_words(demand)}"
+        tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
+    return tables
+
+
+def worst_table(result: "StudyResult", worst: "pd.DataFrame") -> Table:
+    """Return `StudyResult.worst` as a table for readers."""
+    caption = "The worst runs, and the first of each failure mode"
+    return _table(worst.drop(columns="id"), caption, units=column_units(result))
+
+
+def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
+    """Return the tables of fragility and rates of one structure and bearing."""
+    of, ending = (f", {name}", f"-{name}") if name else ("", "")
+    hazard = part.question.hazard is not None
+    curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
+    table = pd.DataFrame([curve.row() for curve in curves.values()])
+    notes: dict[str, list[str]] = {}
+    for level, sentence in zip(curves, table["sentence"], strict=True):
+        notes.setdefault(sentence, []).append(_temperature(level))
+    for level, curve in curves.items():
+        for text in filter(None, (curve.beyond_levels, curve.wide_bands)):
+            notes.setdefault(text, []).append(_temperature(level))
+    table["name"] = [_temperature(level) for level in curves]
+    ambient = _head(column_words(AMBIENT))
+    im, unit = column_words(part.intensity), find_unit(part.intensity)
+    medians = [end for end in map(str, table) if end.startswith("median")]
+    heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
+    units = dict.fromkeys(medians, unit)
+    if unit == "m/s²":  # levels are often given in g
+        in_g = table["median"] / (STANDARD_GRAVITY / 1000.0)
+        table.insert(list(table).index("median") + 1, "median_g", in_g)
+        heads["median_g"], units["median_g"] = heads["median"], "g"
+    _mark_too_few(table, curves)
+    demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
+    tables = {
+        f"fragility{ending}": _table(
+            table.drop(columns=IN_CAPTION),
+            f"{demand}: lognormal fragility by {part.question.method}{of}",
+            units=units,
+            heads=heads | {"name": ambient, "beyond": "Exceedances"},
+            note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
+        )
+    }
+    if rates:
+        rows = part.rates_table(curves, rates)
+        few_motions = [rate.few_motions for rate in rates.values()]
+        _mark_cells(rows, np.array([bool(text) for text in few_motions]), RATE_BANDS)
+        rows["name"] = rows["name"].map(_temperature)
+        over = f"Ratio to {_temperature(list(curves)[-1])}"
+        heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
+        heads |= {"return_period_years": "Return period", "over_reference": over}
+        heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
+        tables[f"rates{ending}"] = _table(
+            rows.drop(columns=["reference", "notes"]),
+            f"Annual rates{of}",
+            units=RATE_UNITS,
+            heads=heads,
+            note="; ".join(dict.fromkeys(text for text in [*few_motions, *rows["notes"]] if text)),
+        )
+    return tables
+
+
+def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> None:
+    """Put words in place of the bands of few motions, and of medians beyond all intensities."""
+    beyond = np.array([bool(curve.beyond_levels) for curve in curves.values()])
+    with_few_motions = np.array([bool(curve.few_motions) for curve in curves.values()])
+    sizes = [name for name in map(str, table) if name.startswith(("median", "dispersion"))]
+    _mark_cells(table, beyond, sizes)
+    _mark_cells(
+        table,
+        with_few_motions & ~beyond,
+        [name for name in sizes if name.endswith(("_low", "_high"))],
+    )
+
+
+def _mark_cells(table: "pd.DataFrame", rows: "np.ndarray[Any, Any]", names: Sequence[str]) -> None:
+    """Put "too few" in some rows of some columns."""
+    for name in names if rows.any() else ():
+        table[name] = table[name].astype(object).where(~rows, TOO_FEW)
+
+
+def _head(words: str) -> str:
+    if "." in words:  # a key of a file, such as bearing.K_r
+        return words
+    words = words.replace("_", " ")
+    return f"{words[:1].upper()}{words[1:]}" if len(words.split(" ")[0]) > 1 else words
+
+
+def _table(
+    frame: "pd.DataFrame",
+    caption: str,
+    *,
+    units: Mapping[str, str] | None = None,
+    heads: Mapping[str, str] | None = None,
+    note: str = "",
+) -> Table:
+    """Return a table; `units` and `heads` are those that the names of the columns do not give."""
+    columns = [
+        Quantity(
+            (heads or {}).get(name) or _head(column_words(name)),
+            (units or {}).get(name) or find_unit(name),
+            "d" if frame[name].dtype.kind in "iu" else ".4g",
+            name=name,
+        )
+        for name in map(str, frame)
+    ]
+    return make_table(frame, columns, f"{caption[:1].upper()}{caption[1:]}", note=note)
