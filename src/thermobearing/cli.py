@@ -66,7 +66,7 @@ def main() -> None:
             sys.exit(BAD_INPUT)
         app()
     except RuntimeError as problem:
-        from thermobearing.core.compiled.kernel import MissingKernelsError
+        from thermobearing.core.compiled.runners import MissingKernelsError
 
         if not isinstance(problem, MissingKernelsError):
             raise

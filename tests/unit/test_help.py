@@ -184,7 +184,7 @@ def test_first_run_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.Mon
     assert COMPILING not in cyclic(*words, "-o", tmp_path / "warm").stderr
     monkeypatch.setattr("thermobearing.core.compiled.native.open_library", lambda: (None, ""))
     monkeypatch.setattr(
-        "thermobearing.core.compiled.kernel.cache_directory", lambda: tmp_path / "empty"
+        "thermobearing.core.compiled.runners.cache_directory", lambda: tmp_path / "empty"
     )
     assert COMPILING in cyclic(*words, "-o", tmp_path / "cold").stderr
     assert COMPILING not in cyclic(*words, "-o", tmp_path / "quiet", "-q").stderr

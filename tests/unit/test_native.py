@@ -21,9 +21,10 @@ from numpy.testing import assert_array_equal
 from tests.fixtures.kernels import c_compiler, calls
 from tests.verification.structures import real_bearing
 from thermobearing.core import march, step, types
-from thermobearing.core.compiled import native
-from thermobearing.core.compiled.kernel import Kernel, MissingKernelsError, prepare
+from thermobearing.core.compiled import native, runners
+from thermobearing.core.compiled.kernel import Kernel, prepare
 from thermobearing.core.compiled.objects import find_faces
+from thermobearing.core.compiled.runners import MissingKernelsError
 from thermobearing.core.records import row_type
 from thermobearing.structure import forces
 from thermobearing.structure import types as structure_types
@@ -214,12 +215,12 @@ def test_a_library_that_differs_is_refused(
     try:
         arguments = calls()["core.march.copy_state"]
         with pytest.warns(UserWarning, match="numba") as said:
-            chosen = [kernel._choose(arguments), kernel._choose(arguments)]
+            chosen = [runners.choose(kernel, arguments), runners.choose(kernel, arguments)]
         assert len(said) == 1
         assert chosen == [find_faces(kernel).faces[0].call] * 2
-        monkeypatch.setattr("thermobearing.core.compiled.kernel.has_numba", lambda: False)
+        monkeypatch.setattr(runners, "has_numba", lambda: False)
         with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
-            kernel._choose(arguments)
+            runners.choose(kernel, arguments)
     finally:
         native.open_library.cache_clear()
 
@@ -251,7 +252,7 @@ import sys
 sys.modules["numba"] = sys.modules["llvmlite"] = None
 import thermobearing as tb
 import thermobearing.structure.lanes, thermobearing.motions.spectrum
-from thermobearing.core.compiled import native
+from thermobearing.core.compiled import native, runners
 from thermobearing.core.types import new_state
 from thermobearing.core.march import copy_state
 from pathlib import Path
@@ -279,7 +280,7 @@ NEITHER = """
 import sys
 sys.modules["numba"] = None
 from pathlib import Path
-from thermobearing.core.compiled import native
+from thermobearing.core.compiled import native, runners
 from thermobearing.cli import main
 native.FOLDER = Path(sys.argv.pop())
 main()

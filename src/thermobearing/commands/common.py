@@ -341,7 +341,7 @@ def values_by_name(
 
 def announce_compiling(quiet: bool, kernel: str = STEPPING) -> None:
     """Announce on stderr that a kernel is compiled first, if its machine code is not cached."""
-    from thermobearing.core.compiled.kernel import is_compiled
+    from thermobearing.core.compiled.runners import is_compiled
 
     if not quiet and not is_compiled(kernel):
         typer.echo(COMPILING, err=True)

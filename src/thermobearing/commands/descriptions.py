@@ -10,12 +10,13 @@ import types
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from importlib import import_module
-from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
-from thermobearing.commands.options import Fields
+if TYPE_CHECKING:
+    from thermobearing.commands.options import Fields
 
 
-def descriptions_text(fields: Iterable[Fields]) -> str:
+def descriptions_text(fields: "Iterable[Fields]") -> str:
     """Return the content of `options.json`: the options of all commands, by place and name."""
     names: dict[str, set[str]] = {}
     for field in fields:

@@ -8,7 +8,17 @@ numpy array of three such rows, `array[0].force` one number, `array["force"]` al
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple, Protocol, TypeVar, cast, get_type_hints, overload
+from typing import (
+    Annotated,
+    Any,
+    NamedTuple,
+    Protocol,
+    TypeAlias,
+    TypeVar,
+    cast,
+    get_type_hints,
+    overload,
+)
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +27,12 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 R = TypeVar("R")
 KINDS = {float: np.float64, int: np.int64}
+
+# Vectors of a record, whose marks say how many numbers each has in a plane (core/vector.py).
+VECTOR, MATRIX, PEAK = (2,), (2, 2), (3,)
+Vector: TypeAlias = Annotated[float, VECTOR]
+Matrix: TypeAlias = Annotated[float, MATRIX]
+Peak: TypeAlias = Annotated[float, PEAK]  # the largest of x, of y and of the resultant
 
 
 class Rows(Protocol[R]):

@@ -11,10 +11,9 @@ from typing import Annotated, Any, Final, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from thermobearing.core.records import MATRIX, VECTOR, Rows, Vector, rows, vector_fields
 from thermobearing.core.records import Floats as Floats
 from thermobearing.core.records import Ints as Ints
-from thermobearing.core.records import Rows, rows, vector_fields
-from thermobearing.core.vector import MATRIX, VECTOR, Vector
 
 # How Z is advanced (Rubber.integrator).
 EXACT: Final = 0

@@ -10,15 +10,14 @@ floats, as in a kernel for runs in lockstep.
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, TypeAlias, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 from thermobearing.core.compiled.kernel import Kernel, compiled
 from thermobearing.core.lanes.choose import select
+from thermobearing.core.records import Matrix as Matrix
+from thermobearing.core.records import Peak as Peak
+from thermobearing.core.records import Vector as Vector
 
-VECTOR, MATRIX, PEAK = (2,), (2, 2), (3,)  # numbers of each in a plane
-Vector: TypeAlias = Annotated[float, VECTOR]
-Matrix: TypeAlias = Annotated[float, MATRIX]
-Peak: TypeAlias = Annotated[float, PEAK]  # the largest of x, of y and of the resultant
 Pair: TypeAlias = Any  # (x, y)
 Square: TypeAlias = Any  # two rows of pairs
 Triple: TypeAlias = Any  # of a peak

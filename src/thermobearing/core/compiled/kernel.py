@@ -1,26 +1,30 @@
-"""The decorator of kernels, and which code runs them.
+"""The decorator of kernels.
 
-Every kernel is marked by the decorator `compiled`. Its first call decides what runs it: the library
-that was built ahead of time (`native.py`), machine code that numba makes where there is none
-(`objects.py`), or plain Python under NUMBA_DISABLE_JIT=1. numba is not imported before a kernel is
-compiled.
+Every kernel is marked by the decorator `compiled`. Its first call decides what runs it
+(`runners.py`). Physics imports this module, and the compiler imports physics; so this module
+imports no compiler, and `runners.py` registers here what runs kernels.
 """
 
 import importlib.util
 import inspect
-import os
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
-from typing import Any, TypeVar, cast
-
-from thermobearing.core.compiled.sources import cache_directory
+from typing import Any, NamedTuple, TypeVar, cast
 
 F = TypeVar("F", bound=Callable[..., Any])
 R = TypeVar("R")
 
 
-class MissingKernelsError(RuntimeError):
-    """The kernels can be run neither by a library nor by numba."""
+class Runners(NamedTuple):
+    """What runs kernels and compiles them; the first argument of each function is a kernel."""
+
+    choose: Callable[..., Callable[..., Any]]  # for the arguments of the first call, as a tuple
+    run_by_numba: Callable[..., Any]  # with the arguments of a call
+    part: Callable[..., Any]  # as numba compiles it into other kernels
+    dispatcher: Callable[..., Any]  # as numba compiles it alone, for any arguments
+
+
+REGISTERED: list[Runners] = []  # one, by the package `compiled` when it is imported
 
 
 class Kernel:
@@ -40,16 +44,12 @@ class Kernel:
     @cached_property
     def part(self) -> Any:
         """The function as numba compiles it into other kernels."""
-        from thermobearing.core.compiled.jit import new_part
-
-        return new_part(self)
+        return REGISTERED[0].part(self)
 
     @cached_property
     def dispatcher(self) -> Any:
         """The function as numba compiles it alone, for any arguments."""
-        from thermobearing.core.compiled.jit import new_dispatcher
-
-        return new_dispatcher(self.py_func)
+        return REGISTERED[0].dispatcher(self)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Run the kernel."""
@@ -63,27 +63,12 @@ class Kernel:
     def chosen(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
         """Return what runs the kernel, which its first arguments decide."""
         if self.run == self._first_call:
-            self.run = self._choose(arguments)
+            self.run = REGISTERED[0].choose(self, arguments)
         return self.run
 
-    def _choose(self, arguments: tuple[Any, ...]) -> Callable[..., Any]:
-        """Return what runs the kernel from now on."""
-        from thermobearing.core.compiled.native import find_face
-
-        if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
-            return self.py_func
-        face, reason = find_face(self)
-        if face is not None:
-            return face
-        if has_numba():
-            if "<locals>" in self.py_func.__qualname__:  # several functions may share its name
-                return cast("Callable[..., Any]", self.dispatcher)
-            from thermobearing.core.compiled.objects import find_faces
-
-            return find_faces(self).runner(arguments)
-        if reason:
-            raise MissingKernelsError(f"{reason} {NO_NUMBA}")
-        return self.py_func
+    def run_by_numba(self, *arguments: Any) -> Any:
+        """Run the kernel by machine code that numba makes for these arguments."""
+        return REGISTERED[0].run_by_numba(self, *arguments)
 
     def __getattr__(self, name: str) -> Any:
         """Return what numba knows of the function, such as `stats`."""
@@ -116,26 +101,10 @@ def prepare(kernel: Callable[..., R], *arguments: Any) -> Callable[..., R]:
     return (face and face.prepare(*arguments)) or call
 
 
-NO_NUMBA = (
-    "numba, which could compile the kernels instead, is not installed: "
-    'pip install "thermobearing[jit]"'
-)
-
-
 @cache
 def has_numba() -> bool:
     """Return whether numba is installed."""
     return importlib.util.find_spec("numba") is not None
-
-
-def is_compiled(kernel: str) -> bool:
-    """Return whether a kernel, as "core.march.march", needs no compiling before its first run."""
-    from thermobearing.core.compiled.native import open_library
-
-    if open_library()[0] is not None:
-        return True
-    folder = cache_directory()
-    return folder is not None and any(folder.glob(f"*/{kernel}-*.json"))
 
 
 def compiled(function: F) -> F:

@@ -313,7 +313,7 @@ class Face:
     ) -> None:
         entry = description["entries"][kernel.name]
         self.kernel = kernel
-        self.fallback = fallback or self._run_by_numba
+        self.fallback = fallback or kernel.run_by_numba
         self.function = function
         self.function.restype = None
         self.kinds = []
@@ -377,8 +377,3 @@ class Face:
         self.function(table)
         values = self.results.unpack_from(table, self.arguments.size)
         return values[0] if self.single else values or None
-
-    def _run_by_numba(self, *arguments: Any) -> Any:
-        from thermobearing.core.compiled.objects import find_faces
-
-        return find_faces(self.kernel).call(*arguments)
