@@ -17,9 +17,9 @@ from tests.fuzz.judge import COMPLETED, Example
 from tests.fuzz.misuse import VALUES
 from tests.fuzz.mutations import damaged, plain_numbers, rows_of_numbers, toml_files
 from thermobearing.border.library import data_path
-from thermobearing.earthquake.specimen import read_address
 from thermobearing.identify.quofem import PROBLEM, write_quofem, write_responses
 from thermobearing.model.limits import load_limits
+from thermobearing.opensees.specimen import read_address
 
 LAW = """import math
 

@@ -26,9 +26,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.earthquake.case import Laboratory, load_earthquake_case, make_earthquake_case
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, run_task
-from thermobearing.earthquake.specimen import TwinCheck, read_address, refuse_remote
 from thermobearing.model.outcomes import ALL_SENTENCES
 from thermobearing.opensees.line import serve
+from thermobearing.opensees.specimen import TwinCheck, read_address, refuse_remote
 from thermobearing.opensees.wire import (
     Action,
     Request,

@@ -15,7 +15,13 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
-from thermobearing.results.metrics import energy_balance, find_cycles, loop_energy, measure_cycle
+from thermobearing.results.metrics import (
+    BALANCE,
+    balance_row,
+    find_cycles,
+    loop_energy,
+    measure_cycle,
+)
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, selected
 from thermobearing.results.sums import sum_of_products
@@ -30,7 +36,6 @@ from thermobearing.results.writing import (
 CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginning of their names
 COMPONENT = "component"  # dimension of displacements and forces in a plane
 AT_PEAK = 1.0 - 1e-6  # of the largest displacement in a plane: a circle has many of them
-BALANCE = ("work_in", "heat_released", "recoverable", "heat_lost_ends", "heat_lost_sides")
 CSV_BLOCK = 50_000  # rows formatted at a time
 SMALL_MISMATCH = 1e-3  # of the peak force: smaller differences of layers are not mentioned
 # Heads of a history and names in its dataset; those of layers are after them.
@@ -280,7 +285,7 @@ class Result(DatasetResult):
         `mechanical_residual` is (work in - heat released - recoverable) and
         `thermal_residual` (heat released - stored - lost), both over the largest of work, heat
         stored and heat lost; at least over 1e-6 kN mm (mechanical), and over what warms the
-        bearing by 1e-4 K (thermal), see `metrics.relative_residual`. All since the start of the
+        bearing by 1e-4 K (thermal), see `metrics.energy_balance`. All since the start of the
         test: what an earlier one left in the bearing does not count.
         """
         data = self.dataset
@@ -289,10 +294,12 @@ class Result(DatasetResult):
         rows = []
         for run, ambient in enumerate(data["ambient"].values):
             last = int(np.flatnonzero(data["segment"].values[run] >= 0)[-1])
-            work, heat, elastic, ends, sides = (
-                float(data[name].values[run, last]) for name in BALANCE
-            )
-            elastic -= float(data["recoverable"].values[run, 0])  # of an earlier test
+            energies = {
+                name: float(data[name].values[run, last])
+                for name in BALANCE
+                if name != "heat_stored"
+            }
+            energies["recoverable"] -= float(data["recoverable"].values[run, 0])  # of earlier tests
             temperature_rise = (
                 data["final_temperature"].values[run] - data["initial_temperature"].values[run]
             )
@@ -301,9 +308,8 @@ class Result(DatasetResult):
                 lead = data["lead_temperature"].values[run]
                 stored += lead_capacity * (float(lead[last]) - float(lead[0]))
             total = float(capacity.sum()) + lead_capacity
-            energies = work, heat, elastic, stored, ends, sides
-            balance = energy_balance(*energies, capacity=total)
-            rows.append({"ambient_degC": float(ambient), **balance})
+            row = balance_row(energies | {"heat_stored": stored}, capacity=total)
+            rows.append({"ambient_degC": float(ambient), **row})
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:

@@ -29,7 +29,6 @@ from thermobearing.cyclic.case import (
 )
 from thermobearing.cyclic.protocol import LONGEST
 from thermobearing.earthquake.motions import Motion, settle_motions
-from thermobearing.earthquake.specimen import read_address, refuse_remote
 from thermobearing.model.axial import AxialFactor
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
@@ -37,6 +36,7 @@ from thermobearing.model.limits import Limits, load_limits
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults, outdoors
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.opensees.specimen import read_address, refuse_remote
 from thermobearing.structure.fields import Stiffness
 from thermobearing.structure.model import (
     STRUCTURES,

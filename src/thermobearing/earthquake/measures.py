@@ -16,7 +16,12 @@ from thermobearing.core.types import BearingResponse
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
-from thermobearing.results.metrics import LEAST_ENERGY, LEAST_HEAT, largest_loop
+from thermobearing.results.metrics import (
+    BALANCE,
+    energy_balance,
+    largest_loop,
+    relative_residual,
+)
 from thermobearing.results.ranges import largest_tested, limits_passed
 from thermobearing.results.sums import product_in_order, sum_of_products
 from thermobearing.structure.model import Pier, Structure, list_hinges
@@ -88,14 +93,6 @@ SCALARS: Final = (
     "energy_kN_mm",
 )  # columns of a history that are no vectors, with temperatures
 FORCES: Final = ("rubber_force", "lead_force", "viscous_force")  # shares of that of the bearing
-BEARING: Final = (  # energies of one bearing
-    "work_in",
-    "heat_released",
-    "recoverable",
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
 STRUCTURE_ENERGIES: Final = ("input", "kinetic", "damping", "springs", "hinges", "bearings")
 DEVICE_ENERGIES: Final = {"damper": "dampers", "slider": "sliders", "gap": "gaps"}  # by kind
 # Those of devices where there are some, that of the actuator in a laboratory only.
@@ -121,7 +118,7 @@ NUMBERS: Final = (  # of a run in the dataset
     "iterations",
     "substeps",
     *(f"{name}_kN_mm" for name in STRUCTURE_ENERGIES),
-    *(f"bearing_{name}_kN_mm" for name in BEARING),
+    *(f"bearing_{name}_kN_mm" for name in BALANCE),
     "layer_force_mismatch_max_kN",
 )
 LOOP: Final = {  # of the largest loop: name in CycleMeasures
@@ -445,7 +442,7 @@ def compute_measures(
     numbers |= {f"energy_{name}": balance[name][-1] for name in present}
     if task.case.laboratory is not None:
         numbers["energy_actuator"] = _actuator_work(task, history)
-    numbers |= {f"heat_{name}": bearing[name][-1] - bearing[name][0] for name in BEARING}
+    numbers |= {f"heat_{name}": bearing[name][-1] - bearing[name][0] for name in BALANCE}
     numbers["layer_force_mismatch_max"] = bearing["layer_force_mismatch"].max()
     return numbers
 
@@ -523,17 +520,9 @@ def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
     """Return the residuals of the energy balances of one run, or of columns of runs."""
     input_energy = numbers["energy_input"]
     taken_energy = sum(numbers.get(f"energy_{name}", 0.0) for name in STRUCTURE if name != "input")
-    work, released = numbers["heat_work_in"], numbers["heat_heat_released"]
-    stored = numbers["heat_heat_stored"]
-    lost = numbers["heat_heat_lost_ends"] + numbers["heat_heat_lost_sides"]
-    mechanical_scale = np.maximum(np.abs(work), LEAST_ENERGY)
-    # A bearing that warms or cools to the air exchanges more heat than its work: the larger counts.
-    largest_heat = np.maximum(np.maximum(np.abs(stored), np.abs(lost)), LEAST_HEAT)
-    structure_scale = np.maximum(np.abs(input_energy), LEAST_ENERGY)
     return {
-        "structure_residual": (input_energy - taken_energy) / structure_scale,
-        "mechanical_residual": (work - released - numbers["heat_recoverable"]) / mechanical_scale,
-        "thermal_residual": (released - stored - lost) / np.maximum(mechanical_scale, largest_heat),
+        "structure_residual": relative_residual(input_energy - taken_energy, [input_energy]),
+        **energy_balance({name: numbers[f"heat_{name}"] for name in BALANCE}),
     }
 
 

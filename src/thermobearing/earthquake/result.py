@@ -23,7 +23,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
-from thermobearing.results.metrics import LEAST_ENERGY
+from thermobearing.results.metrics import BALANCE, LEAST_ENERGY
 from thermobearing.results.ranges import limits_passed, rate_note
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
@@ -442,9 +442,9 @@ class EarthquakeResult(DatasetResult):
 
         `structure_residual`: input less all other energies of the structure (of the actuator in a
         laboratory, whose delay and force error take work, too), over the input.
-        `mechanical_residual`, `thermal_residual`: of the bearing, over its work (the thermal one
-        over its heat stored or lost where that is more). They are relative to at least 1e-6 kN mm,
-        the thermal one to at least 1 kN mm, see `metrics.relative_residual`.
+        `mechanical_residual`, `thermal_residual`: of the bearing, over the largest of its work,
+        heat stored and heat lost. They are relative to at least 1e-6 kN mm, the thermal one to at
+        least 1 kN mm, see `metrics.energy_balance`.
         """
         return self._energy.copy()
 
@@ -454,10 +454,10 @@ class EarthquakeResult(DatasetResult):
         energies = [name for name in measures.STRUCTURE if f"energy_{name}" in data]
         frame = pd.DataFrame({f"{name}_kN_mm": data[f"energy_{name}"].values for name in energies})
         names = [f"energy_{name}" for name in energies]
-        names += [f"heat_{name}" for name in measures.BEARING]
+        names += [f"heat_{name}" for name in BALANCE]
         residuals = measures.compute_residuals({name: data[name].values for name in names})
         frame["structure_residual"] = residuals.pop("structure_residual")
-        for name in measures.BEARING:
+        for name in BALANCE:
             frame[f"bearing_{name}_kN_mm"] = data[f"heat_{name}"].values
         return frame.assign(**residuals)
 

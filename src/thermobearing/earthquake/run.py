@@ -50,7 +50,6 @@ from thermobearing.earthquake.case import (
 from thermobearing.earthquake.dataset import label_analysis
 from thermobearing.earthquake.measures import drift, largest, pier_peaks, run_name
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.earthquake.specimen import TcpSpecimen, TwinCheck
 from thermobearing.model.earlier import BilinearParameters, Model, bilinear_constants
 from thermobearing.model.effort import analysis_too_much
 from thermobearing.model.handover import begun_from
@@ -64,6 +63,7 @@ from thermobearing.model.outcomes import (
 from thermobearing.model.stack import Stack
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.opensees.specimen import TcpSpecimen, TwinCheck
 from thermobearing.results.base import COMPLETED
 from thermobearing.structure.model import (
     along,
@@ -226,7 +226,14 @@ def run_task(task: Task) -> StructureHistory:
     outside = None
     if lab.specimen is not None:
         check = TwinCheck(task.reported.device.bearing, task.reported.ambient)
-        outside = TcpSpecimen(lab, task.reported_line, check)
+        outside = TcpSpecimen(
+            lab.specimen,
+            task.reported_line,
+            check,
+            time_out=lab.time_out,
+            displacement_limit=lab.displacement_limit,
+            force_limit=lab.force_limit,
+        )
     history = run_structure(
         task.prepared,
         lines_to_shake(task),

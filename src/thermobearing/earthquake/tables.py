@@ -23,6 +23,7 @@ from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
+from thermobearing.results.metrics import BALANCE
 from thermobearing.results.ranges import TESTED
 
 if TYPE_CHECKING:
@@ -669,7 +670,7 @@ def _balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Tabl
     energy, keys = result.energy, measures.key_columns(result.table)
     frame = pd.concat([result.table[keys], energy], axis=1)
     if bearing:
-        names = [f"bearing_{name}_kN_mm" for name in measures.BEARING]
+        names = [f"bearing_{name}_kN_mm" for name in BALANCE]
         names += ["mechanical_residual", "thermal_residual"]
         caption = f"Energy balance of one bearing{_reported_line(result)}"
         note = (

@@ -27,7 +27,7 @@ from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
-from thermobearing.results.metrics import energy_balance
+from thermobearing.results.metrics import BALANCE, balance_row
 from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import (
     as_attribute,
@@ -38,14 +38,6 @@ from thermobearing.results.writing import (
 )
 
 RECOVERABLE = "recoverable"
-BALANCE = (  # in the order of the arguments of `energy_balance`
-    "work_in",
-    "heat_released",
-    RECOVERABLE,
-    "heat_stored",
-    "heat_lost_ends",
-    "heat_lost_sides",
-)
 AXES = "xyz"  # of the degrees of freedom 1, 2 and 3
 FAILED_SENTENCE = "An element could not be served to the end: see the warnings."
 COLUMNS = (
@@ -178,8 +170,7 @@ class ServedResult(DatasetResult):
             energies = {key: float(data[key].values[run, last]) for key in BALANCE}
             # Energy that an earlier analysis left in the rubber was not put in by this one.
             energies[RECOVERABLE] -= float(data[RECOVERABLE].values[run, 0])
-            balance = energy_balance(*energies.values(), capacity=capacity)
-            rows.append({"element": str(name), **balance})
+            rows.append({"element": str(name), **balance_row(energies, capacity=capacity)})
         return pd.DataFrame(rows)
 
     def tables(self) -> dict[str, Table]:

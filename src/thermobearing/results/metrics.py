@@ -10,8 +10,9 @@ belongs to no loop; one within 2 % of the largest displacement is none. One that
 rest near zero, within half the largest displacement, ends where it first comes there.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -30,6 +31,14 @@ from thermobearing.results.loop import FIT_FROM, FIT_TO, measure_loop
 LEAST_ENERGY = 1e-6  # [kN mm]
 LEAST_WARMING = 1e-4  # [K], mean of the bearing: 1 kN mm for one of 240 mm
 LEAST_HEAT = 1.0  # [kN mm], the same where the heat capacity is not known
+BALANCE = (  # energies of a bearing
+    "work_in",
+    "heat_released",
+    "recoverable",
+    "heat_stored",
+    "heat_lost_ends",
+    "heat_lost_sides",
+)
 DWELL, SHORTEST_DWELL = 0.02, 5  # points at zero that are a rest: part of all per cycle, and least
 STRAIGHT = 0.05  # of the amplitude: path before a rest used to extrapolate the force
 # Loops of high-damping rubber are curved: other definitions give other numbers, for instance
@@ -63,39 +72,39 @@ def loop_energy(displacement: Floats, force: Floats) -> float:
     return float(np.trapezoid(force, displacement))
 
 
-def relative_residual(
-    missing: float, energies: Sequence[float], least: float = LEAST_ENERGY
-) -> float:
-    """Return the error of an energy balance, relative to its largest energy [kN mm]."""
-    return missing / max(least, *(abs(energy) for energy in energies))
+def relative_residual(missing: Any, energies: Iterable[Any], least: float = LEAST_ENERGY) -> Any:
+    """Return the error of an energy balance, relative to its largest energy [kN mm].
 
-
-def energy_balance(
-    work: float,
-    heat: float,
-    elastic: float,
-    stored: float,
-    ends: float,
-    sides: float,
-    *,
-    capacity: float,
-) -> dict[str, float]:
-    """Return energies [kN mm] by their columns, and the residuals of their balance.
-
-    Energies are work in, heat released, recoverable, stored, and lost at ends and sides; the heat
-    capacity of the bearing [kN mm/K] gives the least heat of the thermal residual.
+    Of one run, or of columns of runs.
     """
-    energies, least = [work, stored, ends + sides], LEAST_WARMING * capacity
+    return missing / reduce(np.maximum, map(np.abs, energies), least)
+
+
+def energy_balance(energies: Mapping[str, Any], *, capacity: float | None = None) -> dict[str, Any]:
+    """Return the residuals of the mechanical and the thermal balance of a bearing.
+
+    Parameters
+    ----------
+    energies : mapping
+        Those that `BALANCE` names, each of one run or a column of runs [kN mm].
+    capacity : float, optional
+        Heat capacity of the bearing [kN mm/K], which gives the least heat of the thermal residual.
+    """
+    work, heat, recoverable, stored, ends, sides = (energies[name] for name in BALANCE)
+    # A bearing that warms or cools to the ambient exchanges more heat than its work: the largest
+    # energy is the scale of both residuals.
+    largest = [work, stored, ends + sides]
+    least_heat = LEAST_HEAT if capacity is None else LEAST_WARMING * capacity
     return {
-        "work_in_kN_mm": work,
-        "heat_released_kN_mm": heat,
-        "recoverable_kN_mm": elastic,
-        "heat_stored_kN_mm": stored,
-        "heat_lost_ends_kN_mm": ends,
-        "heat_lost_sides_kN_mm": sides,
-        "mechanical_residual": relative_residual(work - heat - elastic, energies),
-        "thermal_residual": relative_residual(heat - stored - (ends + sides), energies, least),
+        "mechanical_residual": relative_residual(work - heat - recoverable, largest),
+        "thermal_residual": relative_residual(heat - stored - (ends + sides), largest, least_heat),
     }
+
+
+def balance_row(energies: Mapping[str, float], *, capacity: float) -> dict[str, float]:
+    """Return the energies of a bearing by their columns, and the residuals of `energy_balance`."""
+    columns = {f"{name}_kN_mm": energies[name] for name in BALANCE}
+    return columns | energy_balance(energies, capacity=capacity)
 
 
 def measure_cycle(

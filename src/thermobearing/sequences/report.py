@@ -11,7 +11,6 @@ from thermobearing.border.lazy import pd
 from thermobearing.cyclic.dataset import written_part
 from thermobearing.cyclic.report import rig_table, words_of_test
 from thermobearing.cyclic.result import Result
-from thermobearing.earthquake.measures import BEARING
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -20,6 +19,7 @@ from thermobearing.report import content
 from thermobearing.report.figures import plot_from_axes
 from thermobearing.report.pieces import Check, Pieces, ReportFigure
 from thermobearing.results import drawing
+from thermobearing.results.metrics import BALANCE
 from thermobearing.sequences.case import SequenceAnalysis
 from thermobearing.sequences.result import SequenceResult
 from thermobearing.structure.report import structure_table
@@ -147,7 +147,7 @@ def _memory(table: "pd.DataFrame", force: "pd.Series[Any]") -> str:
 
 def _energies(result: SequenceResult) -> "pd.DataFrame":
     """Return the energy balance of the specimen in each part [kN mm]."""
-    names = [*(f"{name}_kN_mm" for name in BEARING), "mechanical_residual", "thermal_residual"]
+    names = [*(f"{name}_kN_mm" for name in BALANCE), "mechanical_residual", "thermal_residual"]
     rows = [
         part.energy.iloc[0].rename(lambda name: name.removeprefix("bearing_"))[names]
         for part in result.parts

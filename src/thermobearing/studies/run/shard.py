@@ -32,6 +32,7 @@ from thermobearing.laws import load_again, loaded_files
 from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
+from thermobearing.results.metrics import BALANCE
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.model import list_hinges
 from thermobearing.structure.run import StructureHistory
@@ -222,7 +223,7 @@ def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         "layer_force_mismatch_max": lines[task.reported_line]["mismatch"],
         **{name: getattr(peaks, name) for name in COUNTS},
         **{f"energy_{name}": energies[name] for name in present},
-        **{f"heat_{name}": bearing[name] for name in measures.BEARING},
+        **{f"heat_{name}": bearing[name] for name in BALANCE},
     }
 
 

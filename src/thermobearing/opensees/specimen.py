@@ -16,7 +16,7 @@ import ipaddress
 import math
 import re
 import socket
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from pydantic import Field
 
@@ -38,9 +38,6 @@ from thermobearing.structure.run import (
     SPECIMEN_LOST,
     SpecimenError,
 )
-
-if TYPE_CHECKING:
-    from thermobearing.earthquake.case import Laboratory
 
 _ADDRESS = re.compile(r"tcp://(\[[0-9A-Fa-f:.]+\]|[\w.-]+):([0-9]{1,5})/?")
 
@@ -217,16 +214,24 @@ def _reference_force(bearing: Bearing | BilinearBearing, ambient: float) -> floa
 class TcpSpecimen:
     """A specimen behind a TCP connection, in place of the bearing of a line; see `Specimen`."""
 
-    def __init__(self, laboratory: "Laboratory", line: int, check: TwinCheck) -> None:
-        assert laboratory.specimen is not None
-        self._check = check
-        self.line, self._lab, self._setup = line, laboratory, wire.Setup.smallest(2)
+    def __init__(
+        self,
+        address: str,
+        line: int,
+        check: TwinCheck,
+        *,
+        time_out: float,
+        displacement_limit: float | None = None,
+        force_limit: float | None = None,
+    ) -> None:
+        self._check, self._time_out = check, time_out
+        self._displacement_limit, self._force_limit = displacement_limit, force_limit
+        self.line, self._setup = line, wire.Setup.smallest(2)
         self.note = ""  # which limit was exceeded, how far, and the last good step
         self._good = "none"  # the last step whose force was plausible
         self._last: tuple[float, float] | None = None  # displacement and time of the last command
         try:
-            address = read_address(laboratory.specimen)
-            self._socket = socket.create_connection(address, laboratory.time_out)
+            self._socket = socket.create_connection(read_address(address), time_out)
             try:
                 wire.prepare(self._socket)
                 self._socket.sendall(self._setup.encode())
@@ -235,7 +240,7 @@ class TcpSpecimen:
                 raise
         except OSError as error:
             raise InputError(
-                f'laboratory.specimen = "{laboratory.specimen}": no connection '
+                f'laboratory.specimen = "{address}": no connection '
                 f"({error.strerror or error}); start the program of the specimen first"
             ) from None
 
@@ -244,12 +249,12 @@ class TcpSpecimen:
 
         `twin` is the force of the calculated bearing there [kN].
         """
-        if abs(displacement) > (self._lab.displacement_limit or math.inf):
+        if abs(displacement) > (self._displacement_limit or math.inf):
             raise SpecimenError(DISPLACEMENT_LIMIT)
         self._last = displacement, time
         try:
             self._send(speed, wire.Action.SET_TRIAL, wire.Action.FORCE)
-            reply = wire.receive_exactly(self._socket, self._setup.length, self._lab.time_out)
+            reply = wire.receive_exactly(self._socket, self._setup.length, self._time_out)
             force = float(wire.decode_reply(reply, wire.Action.FORCE, self._setup)[1])
             self._judge(displacement, force, twin)
             self._send(speed, wire.Action.COMMIT)
@@ -261,7 +266,7 @@ class TcpSpecimen:
     def _judge(self, displacement: float, force: float, twin: float) -> None:
         """Raise SpecimenError for a force beyond a limit of the laboratory or of the twin."""
         # A limit that the laboratory gives is that of its rig and replaces the one of the twin.
-        largest, limit = self._check.force_limit(twin), self._lab.force_limit
+        largest, limit = self._check.force_limit(twin), self._force_limit
         if abs(force) > (limit or math.inf):
             self._end(
                 FORCE_LIMIT, f"measured force {force:.4g} kN: beyond force_limit, {limit:g} kN"
