@@ -14,6 +14,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
+from thermobearing.quantities.warned import UNUSABLE, Warned
 
 
 class Usual(Strict):
@@ -53,7 +54,7 @@ def usual_values(name: str = "bearing.toml") -> list[Usual]:
     return read_data(Usuals, "plausible", name).usual
 
 
-def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
+def implausible(bearing: Bearing | BilinearBearing) -> list[Warned]:
     """Return a sentence for each parameter of a bearing outside its usual range.
 
     It states key, value, usual range with its source, and the usual cause. Two temperature laws
@@ -61,7 +62,7 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
     """
     layered = isinstance(bearing, Bearing)
     derived = _derived(bearing) if isinstance(bearing, Bearing) else _of_bilinear(bearing)
-    sentences = []
+    sentences: list[Warned] = []
     for usual in usual_values():
         if usual.kinds and bearing.kind not in usual.kinds:
             continue
@@ -71,36 +72,38 @@ def implausible(bearing: Bearing | BilinearBearing) -> list[str]:
         low, high = usual.ends
         if value is None or low <= value <= high or _does_nothing(bearing, usual.key, value):
             continue
-        sentences.append(sentence(usual.key, value, usual))
+        sentences.append(unusual(usual.key, value, usual))
     return sentences + (doubled_law(bearing) if isinstance(bearing, Bearing) else [])
 
 
-def doubled_law(bearing: Bearing) -> list[str]:
+def doubled_law(bearing: Bearing) -> list[Warned]:
     """Return a warning if a table or a registered law multiplies exponents that act too."""
     law, rubber = bearing.temperature_law, bearing.hysteresis
     m_t, n_t = rubber.elastic_temperature_coefficient, rubber.hysteretic_temperature_coefficient
     if law is None or not law.scales_stiffness or m_t == n_t == 0.0:
         return []
-    return [
+    sentence = (
         f"temperature_law and the exponents m_T = {m_t:g} and n_T = {n_t:g} multiply each other; "
         "set both exponents to 0 if temperature_law is the complete law"
-    ]
+    )
+    return [Warned(sentence, "two_temperature_laws")]
 
 
-def sentence(what: str, value: float, usual: Usual) -> str:
+def unusual(what: str, value: float, usual: Usual) -> Warned:
     """Return the warning for a value outside its usual range.
 
     `what`: label of the parameter; `value`: in the unit of the range.
 
-    >>> sentence("layer", 200.0, usual_values()[0])[:47]
+    >>> unusual("layer", 200.0, usual_values()[0])[:47]
     'layer = 200 mm: the usual range is 1.5 to 40 mm'
     """
     low, high = usual.ends
     unit = f" {usual.unit}" if usual.unit else ""
-    return (
+    sentence = (
         f"{what} = {value:.4g}{unit}: the usual range is {low:g} to {high:g}{unit} "
         f"({usual.source}: {usual.note}). Usual cause: {usual.slip}"
     )
+    return Warned(sentence, f"unusual.{what}", UNUSABLE)
 
 
 def _value(item: Any, key: str) -> float | None:

@@ -17,6 +17,7 @@ from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import FieldError, Strict, in_unit
 from thermobearing.border.units import parse_quantity
+from thermobearing.quantities.warned import ASSUMED, Warned
 
 RECOVERED = "recovered after "
 WORDS = ("tested", "virgin", f"{RECOVERED}5 years")
@@ -173,15 +174,20 @@ def states_table(
     return table
 
 
-def describe_states(table: Mapping[str, Mapping[str, Any]]) -> list[str]:
+def describe_states(table: Mapping[str, Mapping[str, Any]]) -> list[Warned]:
     """Return a sentence for each state other than tested whose scragging is assumed."""
     groups: dict[str, list[str]] = {}
     for label, row in table.items():
         if row.get("assumed"):
             groups.setdefault(row["state"], []).append(label)
     return [
-        f"{', '.join(labels)}: the excess stiffness of {state} rubber is assumed, from one test of "
-        "another compound; the table scragging in the bearing file replaces it"
+        Warned(
+            f"the excess stiffness of {state} rubber is assumed, from one test of another "
+            "compound; the table scragging in the bearing file replaces it",
+            f"assumed_scragging.{state}",
+            ASSUMED,
+            ", ".join(labels),
+        )
         for state, labels in groups.items()
     ]
 

@@ -41,6 +41,7 @@ from thermobearing.model.handover import (
     specimen_state,
 )
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults
+from thermobearing.quantities.warned import EXCEEDED, Warned
 from thermobearing.results.ranges import Row, compared
 from thermobearing.tables.conditioning import Conditioning
 
@@ -328,13 +329,17 @@ def rig_demand(rig: Rig | None, run: str, peaks: Sequence[float]) -> list[Row]:
     return compared(run, dict(zip(LIMITS, peaks, strict=True)), limits, units)
 
 
-def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[str]:
+def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[Warned]:
     """Return a sentence for each limit of a rig that a run passes."""
     if rig is None:
         return []
     name = "the rig" if rig.name == "rig" else rig.name
     return [
-        f"{row['run']} {LIMITS[row['limit']][1].format(row['demand'], row['largest'], name)}"
+        Warned(
+            f"{row['run']} {LIMITS[row['limit']][1].format(row['demand'], row['largest'], name)}",
+            f"rig.{row['limit']}.{row['run']}",
+            EXCEEDED,
+        )
         for row in rows
         if row["passed"]
     ]

@@ -54,9 +54,15 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.warned import ASSUMED, EXCEEDED, UNUSABLE, Warned
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
-from thermobearing.results.writing import as_attribute, labelled_dataset, labelled_variable
+from thermobearing.results.writing import (
+    as_attribute,
+    labelled_dataset,
+    labelled_variable,
+    warnings_attributes,
+)
 
 # Histories that may be kept besides: variable, dimension.
 GROUPS = {
@@ -129,14 +135,18 @@ def labelled(
             {"kind": s.kind, "label": s.label, "amplitude_strain": s.amplitude_strain}
             for s in segments
         ],
-        "warnings": describe_all(factors)
-        + describe_states(states)
-        + _collect_warnings(case, segments, climates)
-        + _outside_law(case, climates, histories)
-        + beyond(case.rig, rows["rig"])
-        + failed_checks(rows["bearing_checks"])
-        + _unstable_runs(climates, histories)
-        + outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
+        **warnings_attributes(
+            [
+                *describe_all(factors),
+                *describe_states(states),
+                *_collect_warnings(case, segments, climates),
+                *_outside_law(case, climates, histories),
+                *beyond(case.rig, rows["rig"]),
+                *failed_checks(rows["bearing_checks"]),
+                *_unstable_runs(climates, histories),
+                *outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
+            ]
+        ),
         **{name: limit_rows for name, limit_rows in rows.items() if limit_rows},
         **exposure_attribute(factors),
         **state_attribute(states),
@@ -252,9 +262,10 @@ GIVEN_IN_PYTHON = "the ambient series was given in Python"
 
 def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambient]) -> list[str]:
     """Return sentences on assumptions, inputs that a file cannot hold, and coarse time steps."""
-    warnings = list(dict.fromkeys(text for segment in segments for text in segment.assumed))
+    assumptions = dict.fromkeys(text for segment in segments for text in segment.assumed)
+    warnings: list[str] = [Warned(text, text, ASSUMED) for text in assumptions]
     if case.analysis.model not in BLIND:
-        warnings += [f"{case.bearing.name}: {text}" for text in doubled_law(case.bearing)]
+        warnings += [warning.about(case.bearing.name) for warning in doubled_law(case.bearing)]
     if case.ambient_series is None and any(len(climate.time) > 1 for climate in climates):
         warnings.append(
             f"{GIVEN_IN_PYTHON}, so that case.resolved.toml has its first value only; "
@@ -268,14 +279,15 @@ def _collect_warnings(case: Case, segments: list[Segment], climates: list[Ambien
     increment = float(_increments(case, segments).max()) / case.bearing.geometry.rubber_layers
     yielding = case.bearing.hysteresis.yield_displacement
     if increment > yielding:
-        warnings.append(
+        sentence = (
             f"steps of up to {increment:.2g} mm per rubber layer exceed its yield displacement, "
             f"{yielding:g} mm, so that work and heat are inaccurate; use a smaller dt"
         )
+        warnings.append(Warned(sentence, "long_steps", UNUSABLE))
     return warnings
 
 
-def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) -> list[str]:
+def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) -> list[Warned]:
     """Return whether rubber left the range of its temperature law, where the model has one."""
     if case.analysis.model in BLIND:
         return []
@@ -295,19 +307,20 @@ def _outside_law(case: Case, climates: list[Ambient], histories: list[History]) 
     )
 
 
-def _unstable_runs(climates: list[Ambient], histories: list[History]) -> list[str]:
-    """Return a sentence for each run whose axial force exceeds the critical load."""
-    sentences = []
+def _unstable_runs(climates: list[Ambient], histories: list[History]) -> list[Warned]:
+    """Return a warning for each run whose axial force exceeds the critical load."""
+    unstable = []
     for climate, history in zip(climates, histories, strict=False):
         if history.axial is None or history.outcome != UNSTABLE:
             continue
         peak = axial_peaks(history.rows.response["clock"], history.axial)["analysis"]
-        sentences.append(
+        sentence = (
             f"{run_name(climate.at(0.0))} is unstable: the axial force exceeds the critical load "
             f"for {peak.duration:.3g} s, first at {peak.first:.4g} s, most at {peak.time:.4g} s "
             f"({peak.force:.4g} kN, critical load {peak.limit:.4g} kN)"
         )
-    return sentences
+        unstable.append(Warned(sentence, "unstable", EXCEEDED))
+    return unstable
 
 
 def _increments(case: Case, segments: list[Segment]) -> Floats:

@@ -38,8 +38,9 @@ from thermobearing.model.limits import (
     Limits,
     load_limits,
 )
+from thermobearing.quantities.warned import UNUSABLE, Warned, as_warned
 from thermobearing.results.ranges import Row
-from thermobearing.results.writing import as_attribute, from_attribute
+from thermobearing.results.writing import as_attribute, warnings_attributes
 
 Code = Literal["jra", "aashto"]
 Measure = Literal[
@@ -57,6 +58,7 @@ WIDTH = 98  # of comments in a file of limits, in letters
 PLANE_DIRECTIONS = np.linspace(
     0.0, 0.5 * math.pi, 91
 )  # directions of a displacement in a plane [rad]
+NOT_CHECKED = "not checked, because the analysis ended as"
 
 
 class _CodeCheck(Strict):
@@ -334,25 +336,28 @@ def check_bearings(
         for row in result.bearing_checks.to_dict("records")
         if row["code"] not in titles
     ]
-    warnings = list(from_attribute(result.dataset, "warnings"))
+    warnings: list[str] = [*result.stored_warnings]
     for code in chosen:
         if result.outcome == "completed":
             code_rows = _rows(result, case, code, rotation, zone, limits)
             starred = any(row["unverified"] and not math.isnan(row["limit"]) for row in code_rows)
-            code_warnings = [f"not checked against the published text: {code.citation}"] * starred
-            code_warnings += few_motions(case.motions, code.peaks) + failed_checks(code_rows)
+            code_warnings: list[str] = [
+                f"not checked against the published text: {code.citation}"
+            ] * starred
+            code_warnings += few_motions(case.motions, code.peaks)
+            code_warnings += failed_checks(code_rows)
         else:
             code_rows, code_warnings = (
                 [],
-                [f"not checked, because the analysis ended as {result.outcome}"],
+                [Warned(f"{NOT_CHECKED} {result.outcome}", "not_checked", UNUSABLE)],
             )
         warnings += [
             text
             for message in code_warnings
-            if (text := f"{code.title}: {message}") not in warnings
+            if (text := as_warned(message).about(code.title)) not in warnings
         ]
         rows += code_rows
-    attributes = {"bearing_checks": as_attribute(rows), "warnings": as_attribute(warnings)}
+    attributes = {"bearing_checks": as_attribute(rows)} | warnings_attributes(warnings)
     if limits != case.limits:
         attributes["case"] = case.model_copy(update={"limits": limits}).to_toml()
     checked = EarthquakeResult(result.dataset.assign_attrs(attributes))

@@ -43,12 +43,12 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import Check
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import one_per_cause
 from thermobearing.results import directory as files
 from thermobearing.results.base import Result
 from thermobearing.results.ranges import (
     Row,
     compare_with_tests,
-    one_per_cause,
     outside_tests,
     rate_note,
 )
@@ -61,11 +61,11 @@ ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 
 def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
     """Return a warning for each cause: what left the tests, by bearing its rows and ranges."""
-    messages: list[tuple[str, str]] = []
-    for name, (rows, ranges) in tests.items():
-        outside = outside_tests(name, rows, ranges, skip=("strain_rate",))
-        messages += [(name, text.removeprefix(f"{name}: ")) for text in outside]
-    return one_per_cause(messages)
+    return one_per_cause(
+        warning
+        for name, (rows, ranges) in tests.items()
+        for warning in outside_tests(name, rows, ranges, skip=("strain_rate",))
+    )
 
 
 def _no_rows() -> "pd.DataFrame":
@@ -416,7 +416,7 @@ class FactorReport(Result):
         """What a reader must know: what left the tested range."""
         rows = self.table.attrs.get("tested_range", [])
         ranges = calibration_ranges(self.bearings[0])
-        return outside_tests(self.name, rows, ranges, skip=("strain_rate",))
+        return [*outside_tests(self.name, rows, ranges, skip=("strain_rate",))]
 
     @cached_property
     def _bounds(self) -> "pd.DataFrame":

@@ -57,16 +57,16 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.motions.pair import MotionPair
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.warned import UNUSABLE, Warned, one_per_cause
 from thermobearing.results.ranges import (
     Ends,
     Row,
     compare_with_tests,
-    one_per_cause,
     outside_tests,
     reached_by,
 )
 from thermobearing.results.sums import product_in_order
-from thermobearing.results.writing import as_attribute, labelled_dataset
+from thermobearing.results.writing import as_attribute, labelled_dataset, warnings_attributes
 from thermobearing.structure.matrices import (
     displacement_row,
     find_modes,
@@ -159,10 +159,11 @@ def _incomplete_checks(tasks: Sequence["Task"], histories: Sequence[StructureHis
     ]
     if not early_outcomes:
         return []
-    return [
+    sentence = (
         f"checks under the axial force: {len(early_outcomes)} of {len(histories)} runs ended "
         f"as {', '.join(dict.fromkeys(early_outcomes))} and are checked until then only"
-    ]
+    )
+    return [Warned(sentence, "checked_in_part", UNUSABLE)]
 
 
 def _collect_warnings(
@@ -173,16 +174,17 @@ def _collect_warnings(
 ) -> dict[str, Any]:
     """Return warnings, and how far runs use the rig and the tested ranges, as attributes."""
     rig = _rig_rows(case, tasks, traces)
-    messages, compared = beyond(case.rig, rig), []
+    messages: list[str] = [*beyond(case.rig, rig)]
+    compared: list[Row] = []
     if tasks:
         messages += implausible_structure(case.structure, tasks[0].prepared)
     motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
     messages += pair_notes(motions, plan=bool(case.structure.plan))
     # Warnings about bearings: plausibility, tested range, range of the temperature law.
-    causes: list[tuple[str, str]] = []
+    of_bearings: list[Warned] = []
     of_lead: list[Row] = []
     for bearing, lines_by_run in _bearings(tasks).values():
-        bearing_messages = [f"{bearing.name}: {text}" for text in implausible(bearing)]
+        of_bearings += [warning.about(bearing.name) for warning in implausible(bearing)]
         ranges = calibration_ranges(bearing)
         rows: list[Row] = []
         for k, lines in lines_by_run.items():
@@ -191,7 +193,7 @@ def _collect_warnings(
             rows += compare_with_tests(name, reached, ranges)
             of_lead += _lead_rows(name, bearing.name, reached, histories[k])
         # Every earthquake strains faster than the tests: a note of the result states the rate.
-        bearing_messages += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
+        of_bearings += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
         compared += rows
         # Neither bilinear bearings nor blind models use the temperature law.
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
@@ -200,19 +202,19 @@ def _collect_warnings(
                 for k, lines in lines_by_run.items()
                 for line in lines
             ]
-            bearing_messages += outside_law(
+            of_bearings += outside_law(
                 bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
             )
-        causes += [
-            (bearing.name, text.removeprefix(f"{bearing.name}: ")) for text in bearing_messages
-        ]
-    # The name of a bearing is apart from the text, so that equal texts of several are merged.
-    messages += one_per_cause(causes)
+    # Several bearings that leave the same range are one cause.
+    messages += one_per_cause(of_bearings)
     installed = [line.device.bearing for task in tasks for line in task.lines]
     factors = exposures(installed, case.analysis.exposure)
     states = states_table(_stated(case, tasks))
     messages = [*describe_all(factors), *describe_states(states), *messages]
-    messages += [history.note for history in histories if history.note]
+    # A test with a specimen ended at one of its limits.
+    messages += [
+        Warned(history.note, "specimen", UNUSABLE) for history in histories if history.note
+    ]
     checks = _vertical_checks(case, tasks, histories) + axial_check_rows(case, tasks, histories)
     checks += _twist_checks(case, tasks, histories)
     messages += axial_messages(tasks, histories)
@@ -225,7 +227,7 @@ def _collect_warnings(
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
     row_tables |= exposure_attribute(factors) | state_attribute(states)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
-    return {"warnings": as_attribute(messages)} | attributes
+    return warnings_attributes(messages) | attributes
 
 
 def _climate_messages(case: EarthquakeCase) -> list[str]:

@@ -16,8 +16,10 @@ from thermobearing.core.types import BearingResponse
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.warned import ASSUMED, Warned
 from thermobearing.results.metrics import (
     BALANCE,
+    LEAST_ENERGY,
     energy_balance,
     largest_loop,
     relative_residual,
@@ -567,6 +569,26 @@ def _loop_numbers(
 # viscous damping, those of runs above it 12 to 200 %: there the assumed ratios count as much as
 # the bearing.
 LARGEST_DAMPING_SHARE = 0.25
+
+
+# Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
+LARGEST_ACTUATOR_SHARE = 0.05
+
+
+def actuator_warnings(energy: "pd.DataFrame") -> list[Warned]:
+    """Return a warning if an actuator takes or feeds much energy; `energy` is that of a result."""
+    if "actuator_kN_mm" not in energy:
+        return []
+    ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
+    worst = float(ratios.iloc[place_of_largest(ratios.abs())]) if len(ratios) else 0.0
+    if abs(worst) <= LARGEST_ACTUATOR_SHARE:
+        return []
+    does, damped = ("take", "more") if worst > 0.0 else ("feed", "less")
+    sentence = (
+        f"delay and force error of the actuator {does} up to {abs(worst):.0%} of the input "
+        f"energy, so that the structure is damped {damped} than it should be"
+    )
+    return [Warned(sentence, "actuator", ASSUMED)]
 
 
 def damping_sentence(shares: Floats, kind: str) -> str:

@@ -20,6 +20,7 @@ from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import ASSUMED, Warned
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
@@ -30,8 +31,6 @@ from thermobearing.results.selection import chosen_runs, gridded, selected
 from thermobearing.results.writing import without_rounding, write_csv, write_dataset
 from thermobearing.structure.fields import GROUND
 
-# Of the input, either way: a delay of 5 ms comes to 3 % in the default hybrid test.
-LARGEST_ACTUATOR_SHARE = 0.05
 STILL = 1e-9  # of the largest strain: what moves by less only rounds
 STRAIN = "bearing_strain_max"  # column of the table of runs
 SHOWN_MODES = 8  # natural periods on the console
@@ -406,21 +405,12 @@ class EarthquakeResult(DatasetResult):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        messages, energy = super().warnings, self.energy
-        if "actuator_kN_mm" in energy:
-            ratios = energy["actuator_kN_mm"] / energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
-            worst = float(ratios.iloc[place_of_largest(ratios.abs())]) if len(ratios) else 0.0
-            if abs(worst) > LARGEST_ACTUATOR_SHARE:
-                does, damped = ("take", "more") if worst > 0.0 else ("feed", "less")
-                messages.append(
-                    f"delay and force error of the actuator {does} up to {abs(worst):.0%} of the "
-                    f"input energy, so that the structure is damped {damped} than it should be"
-                )
+        messages = super().warnings + measures.actuator_warnings(self.energy)
         # The damping of the structure is an assumption of the report; one that was chosen for this
         # analysis is a decision of the reader, whom a warning reaches.
         chosen = tomllib.loads(str(self.dataset.attrs["case"]))["analysis"].get("damping")
         if chosen and (text := self.damping_note):
-            messages.append(text)
+            messages.append(Warned(text, "viscous_damping", ASSUMED))
         return messages
 
     @property

@@ -25,6 +25,7 @@ from thermobearing.model.axial import (
 from thermobearing.model.element import BearingElement
 from thermobearing.model.outcomes import temperature_limits
 from thermobearing.quantities.governing import largest_by, place_of_largest, place_of_least
+from thermobearing.quantities.warned import EXCEEDED, UNTESTED, Warned
 
 PASSED, FAILED = "OK", "NG"
 NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
@@ -85,7 +86,7 @@ def check_rows(
     ]
 
 
-def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
+def failed_checks(rows: Sequence[dict[str, Any]]) -> list[Warned]:
     """Return a sentence for each check that runs fail, or that the model does not cover."""
     # One sentence for all runs that fail the same check, with the worst of them.
     failures: dict[tuple[str, str, str], list[dict[str, Any]]] = {}
@@ -103,7 +104,12 @@ def failed_checks(rows: Sequence[dict[str, Any]]) -> list[str]:
         if len(failed_rows) > 1:
             where = f"in {len(failed_rows)} runs; largest {where}"
         sentences.append(
-            f"{bearing_and_part}: {quantity} {worst['value']:.3g}{unit}; {reason} ({where})"
+            Warned(
+                f"{quantity} {worst['value']:.3g}{unit}; {reason} ({where})",
+                f"check.{quantity}",
+                UNTESTED if worst["verdict"] == NOT_MODELLED else EXCEEDED,
+                bearing_and_part,
+            )
         )
     return sentences
 
@@ -127,6 +133,7 @@ def lead_check_rows(
             Check(f"lead: {share:g} of melting", value, share * melting, "degC", sources[1]),
         ],
     )
+    # At the melting temperature itself the value equals its limit, which counts as kept.
     rows[0]["verdict"] = FAILED if melted else rows[0]["verdict"]
     return rows
 
@@ -212,6 +219,7 @@ def secant_stiffness(element: BearingElement, height: float) -> float:
     `height` is the total rubber thickness [mm] of the bearing, which starts where it is.
     """
     begin = float(element.state.response["displacement"][0])
+    # By steps as in a test: the hysteretic variable depends on the way.
     for x in np.linspace(begin, begin + height, STEPS + 1)[1:]:
         element.set_trial(float(x), dt=STEP)
         element.commit()

@@ -50,6 +50,7 @@ from thermobearing.model.stack import (
     published_rates,
 )
 from thermobearing.quantities.governing import SLACK_KELVIN, place_words
+from thermobearing.quantities.warned import BEYOND_LAW, UNTESTED, Warned
 
 COLDER = -1e30  # lower bound of the first piece [degC]
 SOFTENING_LEAD = "softening-lead"  # the law of lead beyond its tests, unless a bearing states E2
@@ -100,7 +101,7 @@ def outside_law(
     law: TemperatureLaw | None,
     runs: Iterable[tuple[str, Floats, Floats]],
     source: str = "",
-) -> list[str]:
+) -> list[Warned]:
     """Return a warning if rubber left the range in which its temperature law was identified.
 
     `name`: of the bearing; `law`: its temperature law; `runs`: for each its label, times [s]
@@ -135,10 +136,11 @@ def outside_law(
         beyond.append(f"{warmest:.1f} degC, {warmest - high:.0f} K above")
     place = place_words(len(outside_runs), len(labels), worst, "longest")
     borrowed = f", {source.split(';')[0]}" if source.startswith("borrowed") else ""
-    return [
-        f"{name}: rubber reaches {' and '.join(beyond)} the range of the temperature law, "
+    sentence = (
+        f"rubber reaches {' and '.join(beyond)} the range of the temperature law, "
         f"{low:g} to {high:g} degC{borrowed} ({longest:.3g} s; {place})"
-    ]
+    )
+    return [Warned(sentence, BEYOND_LAW, UNTESTED, name)]
 
 
 Integrator = Literal["exact", "euler"]

@@ -41,6 +41,7 @@ from thermobearing.motions.targets import (
 )
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import MOTION, SPECTRUM
 
@@ -143,7 +144,7 @@ class MotionResult(Result):
         results = [self] if self.across is None else [self, self.across]
         names = self.records or [""]
         return [
-            f"{name}: {text}" if name else text
+            text.about(name) if name else text
             for name, result in zip(names, results, strict=True)
             for text in _drift_warnings(result.measures)
         ]
@@ -252,7 +253,7 @@ def _rotated_columns(pair: MotionPair, spectrum: ResponseSpectrum) -> dict[str, 
     }
 
 
-def _drift_warnings(measures: MotionMeasures) -> list[str]:
+def _drift_warnings(measures: MotionMeasures) -> list[Warned]:
     """Return a sentence if the displacement of the ground is that of a wrong baseline."""
     moving = abs(measures.end_velocity) > DRIFTING * measures.pgv
     if not moving and measures.pgd <= FARTHEST:
@@ -261,7 +262,8 @@ def _drift_warnings(measures: MotionMeasures) -> list[str]:
     if moving:
         share = abs(measures.end_velocity) / measures.pgv
         size += f", and the ground still moves at {100 * share:.0f} % of its PGV at the end"
-    return [f"{size}. The record drifts; correct its baseline (--baseline)"]
+    sentence = f"{size}. The record drifts; correct its baseline (--baseline)"
+    return [Warned(sentence, "drifting_record", UNUSABLE)]
 
 
 def _reference_row(reference: DesignSpectrum) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from thermobearing.opensees.element import CONNECTION_FAILED
 from thermobearing.opensees.recording import Served
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
 from thermobearing.results.metrics import BALANCE, balance_row
@@ -32,6 +33,7 @@ from thermobearing.results.ranges import compare_with_tests, outside_tests, reac
 from thermobearing.results.writing import (
     as_attribute,
     labelled_dataset,
+    warnings_attributes,
     without_rounding,
     write_csv,
     write_dataset,
@@ -86,7 +88,8 @@ class ServedResult(DatasetResult):
                 "a genericClient element to the port",
                 "results()",
             )
-        result = cls(_dataset(case, histories, [*problems, *notes]))
+        unserved = [Warned(text, "not_served", UNUSABLE) for text in problems]
+        result = cls(_dataset(case, histories, [*unserved, *notes]))
         result.dataset.attrs["connection_failed"] = int(bool(problems))
         return result
 
@@ -245,6 +248,21 @@ def _dataset(
     return dataset
 
 
+def _outside_law(
+    case: ServedCase, names: Sequence[str], histories: Sequence[Served]
+) -> list[Warned]:
+    """Return whether rubber left the range of its temperature law, where the model has one."""
+    if case.analysis.model in BLIND:
+        return []
+    bearing = case.bearing
+    runs = [
+        (name, history.response["clock"], np.asarray(history.rubber))
+        for name, history in zip(names, histories, strict=True)
+    ]
+    source = bearing.sources.get(LAW_RANGE, "")
+    return outside_law(bearing.name, bearing.temperature_law, runs, source)
+
+
 def _attributes(
     case: ServedCase, model: Any, histories: Sequence[Served], warnings: Sequence[str]
 ) -> dict[str, Any]:
@@ -266,15 +284,6 @@ def _attributes(
             lead=history.response["lead_temperature"] if bearing.lead else None,
         )
         rows += compare_with_tests(name, reached, ranges)
-    law: list[str] = []
-    if case.analysis.model not in BLIND:
-        runs = [
-            (name, h.response["clock"], np.asarray(h.rubber))
-            for name, h in zip(names, histories, strict=True)
-        ]
-        law = outside_law(
-            bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
-        )
     factors = exposures([bearing], case.analysis.exposure)
     states = states_table({bearing.name: (bearing, case.analysis.state)})
     lead = constants.lead.cores * constants.lead.capacity if bearing.lead else 0.0
@@ -292,13 +301,15 @@ def _attributes(
         "heat_capacity_kN_mm_per_K": float(constants.cells.capacity.sum() + lead),
         "has_lead": int(bearing.lead is not None),
         "half_stack": int(model.stack.fold == 2),
-        "warnings": [
-            *describe_all(factors),
-            *describe_states(states),
-            *law,
-            *outside_tests(bearing.name, rows, ranges),
-            *warnings,
-        ],
+        **warnings_attributes(
+            [
+                *describe_all(factors),
+                *describe_states(states),
+                *_outside_law(case, names, histories),
+                *outside_tests(bearing.name, rows, ranges),
+                *warnings,
+            ]
+        ),
         **({"tested_range": rows} if rows else {}),
         **exposure_attribute(factors),
         **state_attribute(states),

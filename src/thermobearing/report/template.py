@@ -42,7 +42,7 @@ from thermobearing.report.pieces import (
     checks_table,
     not_entered,
 )
-from thermobearing.results.ranges import BEYOND_TESTS
+from thermobearing.results.ranges import TESTED_TO
 from thermobearing.tables.text import read_text
 
 PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
@@ -159,7 +159,7 @@ def _validity(pieces: Pieces) -> list[Block]:
     if pieces.validity:
         table, sentences = calibration_table(pieces.checks), pieces.validity
         if table.rows:  # it has what the sentences on ends of the range say
-            sentences = [text for text in sentences if BEYOND_TESTS not in text]
+            sentences = [text for text in sentences if TESTED_TO not in text]
         tables = [TableBlock("outside", table)] if table.rows else []
         outside = [Paragraph(EXTRAPOLATED), *tables, *_listed(sentences, "warning")]
         return [*outside, *unknown, *notes]

@@ -16,7 +16,7 @@ from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, 
 from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.ranges import largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table, table_html
-from thermobearing.results.writing import from_attribute, write_csv, write_summary
+from thermobearing.results.writing import from_attribute, warnings_of, write_csv, write_summary
 
 COMPLETED = "completed"
 
@@ -208,7 +208,12 @@ class DatasetResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        return list(from_attribute(self.dataset, "warnings"))
+        return self.stored_warnings
+
+    @property
+    def stored_warnings(self) -> list[str]:
+        """Warnings of the analysis, as the dataset has them."""
+        return warnings_of(self.dataset)
 
     def largest_tested(self, run: str, limit: str) -> float:
         """Return the largest tested value of a quantity that a run exceeds; else infinity."""

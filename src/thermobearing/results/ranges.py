@@ -4,7 +4,6 @@ Input: names, units and numbers; output: table rows and sentences, for all analy
 """
 
 import math
-import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import product
 from statistics import NormalDist
@@ -21,6 +20,7 @@ from thermobearing.quantities.governing import (
     place_of_largest,
     place_words,
 )
+from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE, UNTESTED, Warned
 
 Ends = tuple[float, float]
 FloatsOrNumber = Floats | float
@@ -35,8 +35,8 @@ EXTREME = 0.5  # part of the largest displacement above which an extreme counts
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
-BEYOND_TESTS = " tested ("
-OF_VALIDITY = (NOT_GIVEN, BEYOND_TESTS, "the range of the temperature law")
+TESTED_TO = " tested ("
+OF_VALIDITY = (NOT_GIVEN, TESTED_TO, "the range of the temperature law")
 TESTED = {  # of a bearing: unit in rows; title, factor and unit in sentences
     "strain": ("1", "strain", 100.0, " %"),
     "strain_rate": ("1/s", "strain rate", 1.0, "/s"),
@@ -207,16 +207,17 @@ def outside_tests(
     ranges: Mapping[str, Ends] | None,
     *,
     skip: Collection[str] = (),
-) -> list[str]:
+) -> list[Warned]:
     """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
 
     That with the largest effect on the force, as `extrapolation` estimates it, is the first.
     Without `ranges` one sentence says so; quantities in `skip` are left out.
     """
     if ranges is None:
-        return [f"{name}: {NOT_GIVEN}; state tested_range in the bearing file to have it checked"]
+        sentence = f"{NOT_GIVEN}; state tested_range in the bearing file to have it checked"
+        return [Warned(sentence, NO_RANGE, UNTESTED, name)]
     runs = len({row["run"] for row in rows})
-    sentences: list[tuple[float, str]] = []  # the effect on the force, and the sentence
+    warnings: list[Warned] = []
     ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
     for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):
         _, title, factor, unit = TESTED[limit]
@@ -226,11 +227,13 @@ def outside_tests(
             where = str(worst["run"]).removeprefix(f"{name}, ")
             place = place_words(len(out), runs, where)
             text = (
-                f"{name}: {title} {factor * worst['demand']:.3g}{unit}, {side} the "
+                f"{title} {factor * worst['demand']:.3g}{unit}, {side} the "
                 f"{factor * worst[end]:.3g}{unit} tested ({place})"
             )
-            sentences.append((extrapolation([worst]), text))
-    return [text for _, text in sorted(sentences, key=lambda item: -item[0])]
+            # Bounded: no uncertainty makes a warning of the range one of an exceeded limit.
+            effect = UNTESTED + min(extrapolation([worst]), 0.99)
+            warnings.append(Warned(text, f"{BEYOND_TESTS}.{limit}", effect, name))
+    return sorted(warnings, key=lambda warning: -warning.effect)
 
 
 def runs_of(rows: Iterable[Mapping[Any, Any]]) -> set[str]:
@@ -280,16 +283,6 @@ def names_by_sentence(sentences: Iterable[tuple[str, str]]) -> list[tuple[str, s
         (", ".join(same_sentence_names), sentence)
         for sentence, same_sentence_names in names.items()
     ]
-
-
-def one_per_cause(sentences: Iterable[tuple[str, str]]) -> list[str]:
-    """Return one warning for each cause, whichever bearings or parts it concerns."""
-    causes: dict[str, list[str]] = {}
-    for name, sentence in sentences:
-        causes.setdefault(re.split(r"-?\d", sentence, maxsplit=1)[0], []).append(
-            f"{name}: {sentence}"
-        )
-    return ["; ".join(warnings) for warnings in causes.values()]
 
 
 def parted(warnings: Iterable[str]) -> tuple[list[str], list[str]]:

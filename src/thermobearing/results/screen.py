@@ -6,7 +6,6 @@ limit (unless COLUMNS is set), colours or frames.
 """
 
 import os
-import re
 import textwrap
 from collections.abc import Iterable, Sequence
 from html import escape
@@ -16,21 +15,12 @@ from rich.console import Console
 from rich.text import Text
 
 from thermobearing.quantities.tables import Table
-from thermobearing.results.ranges import parted
+from thermobearing.quantities.warned import BEYOND_LAW, BEYOND_TESTS, NO_RANGE, Warned, as_warned
 
 GAP = "  "  # between two columns
 MOST_ROWS = 60  # of a table in a notebook
 MOST_WARNINGS = 3  # of a result on the screen, and of quantities outside one calibration range
 MORE = "and "  # begins the line that counts the others
-# Phrases of warnings, from those with the largest effect on a result: numbers that cannot be used,
-# limits that are exceeded, effects that were not tested, effects that are assumed. Others follow.
-EFFECTS = (
-    r"poor fit|not converge|ended as|ended early|failed|could not be served|inaccurate|"
-    r"poor agreement|off by up to|drifts|usual range",
-    r"the limit of|the limit is",
-    r" tested \(|temperature law|calibration range",
-    r"assum|viscous damping|actuator|first cycles|more than noise|cannot be determined|held at",
-)
 Row = Sequence[str]
 
 
@@ -46,28 +36,33 @@ def shown_warnings(warnings: Iterable[str], most: int = MOST_WARNINGS) -> list[s
     What is outside the calibration range of one bearing is one cause. Beyond `most`, the last line
     says how many more there are; the files and the report of a result have all of them.
 
-    >>> shown_warnings(["y", "b: strain 3, above the 2 tested (a)", "z", "x: assumed", "z"], 2)[:2]
-    ['b: strain 3, above the 2 tested (a)', 'x: assumed']
+    >>> strain = Warned("strain 3, above the 2 tested (a)", "beyond_tests.strain", 2.0, "b")
+    >>> shown_warnings(["y", strain, "z", Warned("x", "x", 1.0), "z"], 2)[:2]
+    ['b: strain 3, above the 2 tested (a)', 'x']
     """
-    of_range, others = parted(dict.fromkeys(warnings))
-    of_bearings: dict[str, list[str]] = {}
-    for text in of_range:
-        name, _, words = text.partition(": ")
-        of_bearings.setdefault(name, []).append(words)
-    causes = [f"{name}: {'; '.join(words[:most])}" for name, words in of_bearings.items()] + others
-    causes.sort(key=_effect)
-    left = sum(max(0, len(words) - most) for words in of_bearings.values())
+    causes: list[Warned] = []
+    of_ranges: dict[str, list[Warned]] = {}
+    for warning in map(as_warned, dict.fromkeys(warnings)):
+        if warning.code.partition(".")[0] in (BEYOND_TESTS, BEYOND_LAW, NO_RANGE):
+            of_ranges.setdefault(warning.place, []).append(warning)
+        else:
+            causes.append(warning)
+    joined = [
+        Warned(
+            "; ".join(warning.sentence for warning in group[:most]),
+            BEYOND_TESTS,
+            max(warning.effect for warning in group),
+            place,
+        )
+        for place, group in of_ranges.items()
+    ]
+    causes = sorted([*joined, *causes], key=lambda warning: -warning.effect)
+    left = sum(max(0, len(group) - most) for group in of_ranges.values())
     left += max(0, len(causes) - most)
     if not left:
-        return causes
+        return [*causes]
     more = f"{MORE}{left} more warning{'s' if left > 1 else ''}"
     return [*causes[:most], f"{more}: summary.json and the report list all"]
-
-
-def _effect(warning: str) -> int:
-    """Return the place of a warning among `EFFECTS`; the smallest has the largest effect."""
-    places = (k for k, words in enumerate(EFFECTS) if re.search(words, warning))
-    return next(places, len(EFFECTS))
 
 
 def print_warnings(warnings: Iterable[str], *, all_of_them: bool = False) -> None:

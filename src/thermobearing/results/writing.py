@@ -9,7 +9,7 @@ import shlex
 import shutil
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ import numpy as np
 from thermobearing.border.lazy import pd, xr
 from thermobearing.border.units import NUMBER
 from thermobearing.quantities.register import registered_quantities
+from thermobearing.quantities.warned import Warned
 from thermobearing.results.directory import SUMMARY
 
 # Commands whose inputs are files and options instead of a case.
@@ -133,6 +134,35 @@ def as_attribute(value: Any) -> str | int | float:
 def from_attribute(dataset: "xr.Dataset", name: str) -> Any:
     """Return what `as_attribute` stored as JSON: a list or a dictionary."""
     return json.loads(dataset.attrs[name])
+
+
+RECORDS = "warning_records"  # beside the sentences: code, effect and place of each
+
+
+def warnings_attributes(warnings: Sequence[str]) -> dict[str, Any]:
+    """Return warnings as attributes of a dataset: their sentences, and their records."""
+    attributes = {"warnings": as_attribute([*warnings])}
+    if any(isinstance(warning, Warned) for warning in warnings):
+        records = [
+            [warning.sentence, warning.code, warning.effect, warning.place]
+            if isinstance(warning, Warned)
+            else None
+            for warning in warnings
+        ]
+        attributes[RECORDS] = as_attribute(records)
+    return attributes
+
+
+def warnings_of(dataset: "xr.Dataset") -> list[str]:
+    """Return the warnings of a dataset; those of an earlier version are sentences alone."""
+    sentences: list[str] = from_attribute(dataset, "warnings")
+    if RECORDS not in dataset.attrs:
+        return sentences
+    records = from_attribute(dataset, RECORDS)
+    return [
+        text if record is None else Warned(*record)
+        for text, record in zip(sentences, records, strict=True)
+    ]
 
 
 def labelled_dataset(

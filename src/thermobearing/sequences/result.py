@@ -17,9 +17,10 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, SENTENCES
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.warned import as_warned, one_per_cause
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import FIGURES, PARTS, RESOLVED, TABLE
-from thermobearing.results.ranges import MARKED, TESTED, names_by_sentence, one_per_cause
+from thermobearing.results.ranges import MARKED, TESTED
 from thermobearing.results.saved import read_dataset
 from thermobearing.results.writing import write_csv
 from thermobearing.sequences.case import HybridPart, SequenceCase, load_sequence_case
@@ -89,12 +90,13 @@ class SequenceResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings of the parts; one that several parts have names them all."""
-        warnings = (
-            (self.case.label(k), text)
-            for k, part in enumerate(self.parts)
-            for text in part.warnings
+        labels: dict[str, list[str]] = {}
+        for k, part in enumerate(self.parts):
+            for text in part.warnings:
+                labels.setdefault(text, []).append(self.case.label(k))
+        return one_per_cause(
+            as_warned(text).about(", ".join(names)) for text, names in labels.items()
         )
-        return one_per_cause(names_by_sentence(warnings))
 
     def history(self, number: int) -> "pd.DataFrame":
         """Return the time [s], displacement [mm], force [kN] and temperatures [degC] of a part.

@@ -9,7 +9,7 @@ from typing import Any, get_args
 import numpy as np
 
 import thermobearing
-from thermobearing.bearing.plausible import sentence, usual_values
+from thermobearing.bearing.plausible import unusual, usual_values
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
@@ -17,6 +17,7 @@ from thermobearing.border.toml import sourced_toml
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import places_of_largest
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import Warned
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import PERIODS, RESOLVED, STRUCTURE_PARTS
 from thermobearing.results.screen import print_warnings, say, show_table
@@ -44,7 +45,7 @@ KN_MM_PER_KN_M = 1e3
 AT_REST = 1e-9  # share below which a coordinate or a mass rests in a mode of a structure in plan
 
 
-def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[str]:
+def implausible_structure(structure: Structure, prepared: Prepared | None = None) -> list[Warned]:
     """Return a sentence for each unusual number, but not of specimens at a scale."""
     # Specimens are smaller than structures in use, whose ranges these are.
     if any(line.scale != 1.0 for line in structure.bearings):
@@ -54,7 +55,7 @@ def implausible_structure(structure: Structure, prepared: Prepared | None = None
     for key, name, value in _derived(structure, prepared or prepare_structure(structure)):
         low, high = usual[key].ends
         if not low <= value <= high:
-            sentences.append(sentence(f"{name}{key}", value, usual[key]))
+            sentences.append(unusual(f"{name}{key}", value, usual[key]))
     return sentences
 
 
@@ -184,7 +185,7 @@ class StructureResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Numbers that usual structures do not have."""
-        return implausible_structure(self.structure, self.prepared)
+        return [*implausible_structure(self.structure, self.prepared)]
 
     def tables(self) -> dict[str, Table]:
         """Return the parts and the modes."""

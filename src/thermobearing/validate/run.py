@@ -31,6 +31,7 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.run import run_identify
 from thermobearing.model.earlier import Model
 from thermobearing.model.options import ModelOptions
+from thermobearing.quantities.warned import as_warned
 from thermobearing.results.ranges import compare_with_tests, outside_tests
 from thermobearing.validate.result import QUANTITIES, CrossValidation, Validation
 
@@ -242,8 +243,8 @@ def cross_validate(
     groups = [[as_fitted[id(record)] for record in group] for group in groups]
     pairs = zip(fits or [final], groups, strict=True)
     judged = [_judge([calibration.bearing], group) for calibration, group in pairs]
-    warnings = [
-        f"held out{f' of fold {number}' if folds else ''}: {text}"
+    warnings: list[str] = [
+        as_warned(text).about(f"held out{f' of fold {number}' if folds else ''}")
         for number, validation in enumerate(judged, start=1)
         for text in validation.warnings
     ]
