@@ -76,6 +76,8 @@ def conditioning_faults(conditioning: Conditioning, bearing: Bearing, chamber: f
             faults.append(f'inside_place = "{place}": "{bearing.name}" has {count} rubber layers')
     before = filled(conditioning).before
     assert before is not None
+    # Between the two, since the model warms or cools monotonically and never has another
+    # temperature.
     low, high = sorted((before, chamber))
     if inside is not None and not low <= inside <= high:
         faults.append(
@@ -154,6 +156,7 @@ def hours_to_settle(bearing: Bearing, conditioning: Conditioning, chamber: float
     tolerance = chamber_numbers().settled
     if difference <= tolerance:
         return 0.0
+    # The problem is linear: a unit of difference falls by the same share as the real one.
     model = _in_chamber(bearing, conditioning, ModelOptions())
     weights = _rubber_weights(model)
     return _time_when(model, tolerance / difference, lambda history: history.rows.cells @ weights)
@@ -207,6 +210,7 @@ def _cells_of_test(
     """
     stack = model.stack
     if options.model in ONE_CELL:
+        # Its one cell is the rubber with its shims; the end plates are its ambient.
         inside = np.isin(stack.part, ("rubber", "shim"))
         return np.array([np.average(temperature[inside], weights=stack.heat_capacity[inside])])
     parts = options.build_stack(bearing).part

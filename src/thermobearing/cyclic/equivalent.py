@@ -77,6 +77,7 @@ def isothermal_cycle(
     Units and default of the temperature are those of `bilinear_parameters`.
     """
     bearing = as_bearing(bearing)
+    # Nothing is released or lost, so that the bearing keeps its temperature.
     adiabatic = EndFace(eta=1.0)
     model = build_model(bearing, ModelOptions(upper_face=adiabatic, lower_face=adiabatic))
     rubber = bearing.total_rubber_thickness

@@ -241,6 +241,7 @@ def _press(case: Case, constants: Constants, history: Recorded) -> None:
         reduction = np.stack([reduction, axial["stiffness_reduction_y"]], axis=-1)
     response["force"] -= reduction * displacement
     history.axial = axial
+    # A run that ended for another reason keeps it: what follows is of the part before the end.
     if history.outcome != "completed":
         return
     if (axial["axial_force"] > axial["critical_load"]).any():

@@ -34,6 +34,7 @@ def compression_constants() -> dict[str, Any]:
 
 def _in_python(kernel: F) -> F:
     """Return a kernel of a few numbers as plain Python, which needs no compiling."""
+    # Properties of a bearing are computed once, where compiling a kernel would take seconds.
     return cast(F, getattr(kernel, "py_func", kernel))
 
 
@@ -109,6 +110,8 @@ def build_column(
     constants, along_across = compression_constants(), geometry.plan._sides()
     section = section or find_section(geometry, lead)
     bulk = parse_quantity(str(constants["bulk_modulus"]), "MPa") / NEWTON_PER_KILONEWTON
+    # The column that buckles is between the end plates, which are stiff: rubber, shims and sealing
+    # plates.
     height = geometry.total_rubber_thickness + 2.0 * geometry.sealing_plate_thickness
     height += (geometry.rubber_layers - 1) * geometry.shim_thickness
     return filled(
@@ -253,6 +256,8 @@ class AxialPeak:
 
 def axial_peak(clock: Floats, force: Floats, limit: Floats) -> AxialPeak:
     """Return the largest share of a limit in a history."""
+    # The limit changes with displacement and temperature, so the largest force need not be the one
+    # nearest to its limit.
     share = force / limit
     place, beyond = place_of_largest(share), share > 1.0
     first = float(clock[np.flatnonzero(beyond)[0]]) if beyond.any() else math.nan
@@ -264,6 +269,7 @@ def axial_peak(clock: Floats, force: Floats, limit: Floats) -> AxialPeak:
 def axial_peaks(clock: Floats, axial: Rows[AxialResponse]) -> dict[str, AxialPeak]:
     """Return the peaks of a history of axial forces, as `axial_checks` takes them."""
     peaks = {"analysis": axial_peak(clock, axial["axial_force"], axial["critical_load"])}
+    # Cavitation is a limit of tension, and compression has no share in it.
     if axial["axial_force"].min() < 0.0:
         peaks["cavitation"] = axial_peak(clock, -axial["axial_force"], axial["cavitation_force"])
     return peaks

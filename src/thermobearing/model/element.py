@@ -189,6 +189,8 @@ class BearingElement:
     @cached_property
     def _run_step(self) -> Callable[..., Any]:
         """Call `step` of the displacement, the duration and the ambient temperature."""
+        # Solvers call this thousands of times with the same records: their addresses are looked up
+        # once, and a call passes three numbers.
         records = (self._constants, self._work, self._committed)
         kernel: Any = step if self.components == 1 else step_plane
         return prepare(kernel, *records, *[0.0] * (2 + self.components), self._trial)
@@ -201,6 +203,7 @@ class BearingElement:
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what a copy has in common; prepared calls belong to the own arrays."""
+        # They hold addresses of these arrays, so that a copy would write into the original.
         prepared = ("_run_step", "_accept")
         kept = {key: value for key, value in vars(self).items() if key not in prepared}
         return kept | {"_process": os.getpid()}
@@ -291,6 +294,8 @@ class BearingElement:
 
     def _note(self, outcome: int) -> str:
         """Return the name of the outcome of a trial, which decides whether it can be accepted."""
+        # A softened step is in equilibrium, with hardening shared among the layers; it may be
+        # accepted.
         self._failed = "" if outcome in (COMPLETED, SOFTENED) else NAMES[outcome]
         return NAMES[outcome]
 
@@ -314,6 +319,7 @@ class BearingElement:
 
     def revert_to_start(self) -> None:
         """Reset to the initial state: a virgin bearing, or the end of an earlier test."""
+        # The trial too: `commit` without a new trial must not bring back what was before.
         self._failed = ""
         _copy(self._start, self._committed)
         _copy(self._start, self._trial)

@@ -217,6 +217,7 @@ def through_side(bearing: Bearing, film: float, cover: float) -> float:
     if film == 0.0:
         return 0.0
     g, m = bearing.geometry, bearing.materials
+    # Heat flows along the layers: steel and rubber are parallel paths, weighted by their heights.
     steel = (g.rubber_layers - 1) * g.shim_thickness + 2.0 * g.sealing_plate_thickness
     rubber = g.total_rubber_thickness
     along = (rubber * m.rubber.conductivity + steel * m.steel.conductivity) / (rubber + steel)
@@ -233,6 +234,7 @@ def _end_conductance(face: EndFace, conductivity: float, thickness: float) -> fl
 def film_at_face(face: EndFace, stack: Stack, cell: int) -> float:
     """Film at the face itself [kN/(s mm K)], without half the outer cell: 0 to inf."""
     if face.heat_capacity:
+        # The body behind the face touches it: there is no film between them.
         return float("inf")
     film = (face.film or 0.0) / MM_PER_M**2
     k, thickness = stack.conductivity[cell], stack.thickness[cell]

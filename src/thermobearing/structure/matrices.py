@@ -122,6 +122,7 @@ def _rotation_row(structure: Structure, name: str) -> Floats:
     if name == GROUND:
         return _at_rest(structure)
     body = structure.body(name)
+    # A body that does not rotate by itself turns with what carries it.
     if body.rotates:
         return _motion_rows(structure, name, " rotation")
     return _rotation_row(structure, body.on or GROUND)
@@ -148,6 +149,7 @@ def displacement_row(
         base = _motion_rows(structure, name)
     else:
         base = displacement_row(structure, body.on, body.base_height, *place)
+    # Small rotations: a point moves by its height above the base times the angle, Eq. 6.4-6.7.
     row = base + (height - body.base_height) * _rotation_row(structure, name)
     if not structure.plan:
         return row
@@ -349,6 +351,7 @@ def _check_mass(mass: Floats, names: list[str], where: str) -> None:
 
 def hinge_stiffness(structure: Structure, matrices: Matrices) -> Floats:
     """Return the initial stiffness [n, n] of the hinges."""
+    # Before it yields: modes and damping are those of small motions.
     values = np.array([hinge.stiffness for hinge in list_hinges(structure)])
     return product_in_order(matrices.hinge_rows.T, values[:, None] * matrices.hinge_rows)
 
@@ -399,6 +402,8 @@ def find_modes(
     """Return all natural modes, longest period first; InputError for a mechanism."""
     # Each coordinate relative to its own mass: rotations and displacements have other units.
     scale = np.sqrt(np.diag(mass))
+    # A motion of several coordinates can be without mass although each of them has some, which the
+    # diagonal (`_check_mass`) does not show; `eigh` of the pair below would end in an exception.
     values, shapes = scipy.linalg.eigh(mass / np.outer(scale, scale))
     if values[0] <= NO_MASS:
         motion = _motion(names, np.square(shapes[:, values <= NO_MASS]).max(axis=1))
@@ -411,6 +416,7 @@ def find_modes(
             where,
         )
     values, shapes = scipy.linalg.eigh(stiffness, mass)
+    # A mechanism has a frequency of rounding, positive or negative, in place of zero.
     free = values <= NO_STIFFNESS * values[-1]
     if free.any():
         share = np.diag(mass) * np.square(shapes[:, free]).max(axis=1)
@@ -451,6 +457,7 @@ def _weighed_ratios(parts: list[Part], modes: Modes) -> Floats:
     """Return the damping ratio of each mode, weighted with the strain energy of the parts."""
     stored = np.array([_energies(part, modes.shapes) for part in parts])
     ratios = np.array([ratio for ratio, _ in parts])
+    # The composite damping of codes: what stores most of the energy of a mode decides its ratio.
     return np.asarray(ratios @ stored / stored.sum(axis=0))
 
 
@@ -458,6 +465,8 @@ def _bare_modes(structure: Structure, matrices: Matrices) -> Modes:
     """Return the modes without the bearings that have stiffness, longest period first."""
     stiffness = matrices.springs + hinge_stiffness(structure, matrices)
     values, shapes = scipy.linalg.eigh(stiffness, matrices.mass)
+    # Without bearings the deck is free: its motions have no frequency, and no damping ratio is
+    # defined for them.
     resisted = (values > 0.0) & (values > NO_STIFFNESS * values[-1])
     return Modes(np.sqrt(values[resisted]), shapes[:, resisted])
 
@@ -470,6 +479,9 @@ def mode_damping(matrix: Floats, modes: Modes) -> Floats:
 
 def _from_ratios(mass: Floats, modes: Modes, ratios: Floats) -> Floats:
     """Return C = M sum_k 2 xi_k omega_k phi_k phi_k^T M: these ratios, nothing elsewhere."""
+    # Modes of unit modal mass are orthogonal about M, so that each term damps its mode alone.
+    # Motions on the bearings are in no mode and stay undamped, since bearings dissipate by
+    # themselves.
     pushed = mass @ modes.shapes
     return np.asarray((pushed * (2.0 * ratios * modes.frequencies)) @ pushed.T)
 
@@ -494,6 +506,7 @@ def _rayleigh_ratios(damping: Damping, modes: Modes, part_ratios: Floats, where:
     w = modes.frequencies
     # With one mode only the stiffness term, the last column, is left.
     columns = np.column_stack([0.5 / w, 0.5 * w])[:, DAMPED_MODES - len(chosen) :]
+    # Two modes determine both factors; more of them have the least sum of squares.
     factors = np.linalg.lstsq(columns[chosen], aim)[0]
     return np.asarray(columns @ factors)
 
@@ -507,6 +520,8 @@ def _dashpots(parts: list[Part], modes: Modes) -> Floats:
     matrix = np.zeros((len(modes.shapes), len(modes.shapes)))
     for part in parts:
         share = _energies(part, modes.shapes) / modes.frequencies**2
+        # A dashpot has its ratio at one frequency only, and that of the mode that moves the part
+        # most is the one that counts.
         matrix += 2.0 * part[0] / modes.frequencies[place_of_largest(share)] * part[1]
     return matrix
 
@@ -571,6 +586,8 @@ def build_damping(structure: Structure, matrices: Matrices, modes: Modes) -> Flo
 
 def _check_sign(matrix: Floats, mass: Floats, damping: Damping, where: str) -> None:
     """Refuse damping that feeds energy in: a line through two ratios may be negative elsewhere."""
+    # Relative to the mass, so that coordinates of different units compare; a negative value is a
+    # motion that grows by itself.
     values = scipy.linalg.eigh(matrix, mass, eigvals_only=True)
     if values[0] < NEGATIVE * abs(values[-1]):
         raise InputError(

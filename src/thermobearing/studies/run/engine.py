@@ -408,6 +408,7 @@ def _do_missing(
 ) -> Pace:
     """Compute shards without a file, and write the histories of the worst runs."""
     completed = set(store.done())
+    # Every n-th and not the n-th block: neighbours are alike, so that parts take the same time.
     part_shards = [k for k in range(store.shards) if part is None or k % part[1] == part[0] - 1]
     missing = [k for k in part_shards if k not in completed]
     store.clean(part_shards)
@@ -420,6 +421,7 @@ def _do_missing(
     packed_plan, (executor, jobs, address) = packed(plan), how
     shared = packed_plan, histories
     jobs = min(jobs or os.cpu_count() or 1, max(len(missing), 1))
+    # Closing stops the processes if a file cannot be written or the user interrupts.
     with closing(
         on_dask(shared, works, address)
         if executor == "dask"
@@ -454,6 +456,8 @@ def _keep_worst(store: Store, plan: Plan, packed_plan: bytes) -> None:
     path, count = store.directory / HISTORIES_FOLDER / WORST, plan.study.keep.worst
     if not count or path.exists() or len(completed := store.done()) < store.shards:
         return
+    # The worst are known only when all runs are. They are computed twice, so that the histories of
+    # the others need no room on the disk.
     table = store.table(["run", "outcome", *RANKED], completed)
     worst = worst_runs(table, count)
     (work,) = _works(plan, [(0, sorted(worst))])
@@ -480,6 +484,7 @@ def repeat_run(study: Study, run: int, store: Store | None = None) -> Earthquake
     task = Preparer(plan).make_task({str(key): value for key, value in row.items()})
     history = run_task(task)
     motion = task.case.motions[0]
+    # The case that is stored with the result must give this run by itself.
     scaled = motion.model_copy(update={"factor": motion.factor * float(row["scale"])})
     case = task.case.model_copy(update={"motions": [scaled]})
     return label_analysis(case, [replace(task, case=case)], [history])

@@ -37,12 +37,14 @@ def _set_up_process(stop: Any, shared: Any) -> None:
     _PROCESS.update(stop=stop, shared=shared)
     parent = parent_process()
     assert parent is not None
+    # A parent that is killed sends no signal, and its processes would compute for nobody.
     threading.Thread(target=_end_with_parent, args=(parent.sentinel,), daemon=True).start()
 
 
 def _end_with_parent(parent: Any) -> None:
     """End this process when its parent ends, also if that is killed."""
     connection.wait([parent])
+    # `sys.exit` would end this thread only.
     os._exit(1)
 
 
@@ -134,6 +136,8 @@ def call_on_processes(
                     return
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     result, number = future.result(), running.pop(future)
+                    # Only deaths without any result between them count: they are the fault of the
+                    # items.
                     failures = 0
                     yield submitted.pop(number), result
         except BrokenProcessPool:
@@ -144,6 +148,7 @@ def call_on_processes(
                     'program that calls tb.study must do so below `if __name__ == "__main__":`); '
                     f"{KEPT}, perhaps with fewer jobs"
                 ) from None
+            # Which item killed its process is unknown: all that were submitted are computed again.
             pending, submitted = chain(list(submitted.items()), pending), {}
         finally:
             # A second Ctrl-C would leave the processes behind, for which Python waits at its end.

@@ -270,6 +270,7 @@ def _row(
 
 
 def _hottest(values: Iterable[float]) -> float:
+    # A bilinear bearing has no temperature, which is NaN.
     return max((float(value) for value in values if value == value), default=np.nan)
 
 
@@ -328,6 +329,8 @@ def compute_shard(
     rows: list[dict[Any, Any]] = plan_rows.to_dict("records")
     keep_every = preparer.study.case.analysis.keep_every if histories else 0
     results: dict[int, Measured] = {}
+    # A prepared run holds the matrices of its structure and the states of its bearings: memory must
+    # not grow with the size of a shard.
     for first in range(0, len(rows), BATCH):
         tasks: dict[int, Task] = {}
         for number, row in enumerate(rows[first : first + BATCH], first):
@@ -340,6 +343,8 @@ def compute_shard(
             return None
         results |= zip(tasks, measured, strict=True)
     runs = [results[number] for number in range(len(rows))]
+    # One broken run is an outcome; if none of a shard runs, the next one will not either, and hours
+    # of computing would end in an empty table.
     if rows and all(run.numbers["outcome"] == BROKEN for run in runs):
         raise BrokenError(runs[0].numbers["sentence"])
     kept = tuple(
@@ -379,6 +384,8 @@ _THREAD = threading.local()  # threads of a Dask worker share no state
 def packed(plan: Plan) -> bytes:
     """Return a plan and the files of its laws as bytes for other processes, without weather."""
     ambient = plan.study.factors.ambient.model_copy()
+    # Hourly weather is large, and a shard needs a few hours of it: it gets its temperatures with
+    # its rows.
     ambient._series = None
     factors = plan.study.factors.model_copy(update={"ambient": ambient})
     packed_plan = copy.copy(plan)

@@ -66,6 +66,8 @@ class Draw:
         if labels is not None:
             codes = np.asarray(pd.factorize(np.asarray(labels, dtype=object))[0], dtype=np.int64)
         if labels is None or codes.max(initial=0) == 0:
+            # With one group a bootstrap would draw the same sample each time, and its band would
+            # have no width.
             return cls(np.arange(runs), runs, samples, (seed,), True)
         return cls(codes, int(codes.max()) + 1, samples, (seed,), False)
 
@@ -80,6 +82,7 @@ class Draw:
     def weights(self) -> Iterator[Floats]:
         """Yield how often each group is in each sample, shape (some samples, groups)."""
         rng = np.random.default_rng(self.seed)
+        # Of 1e5 runs the weights of all samples take 400 MB: some samples at a time.
         chunk = max(1, MOST_AT_ONCE // max(self.count, 1))
         shares = np.full(self.count, 1.0 / self.count)
         for first in range(0, self.samples, chunk):
@@ -89,6 +92,8 @@ class Draw:
     def sums(self, values: Floats) -> Floats:
         """Return the sums over the runs of each sample, from a row of values for each run."""
         group_values = np.zeros((self.count, values.shape[1]))
+        # Runs of one motion are drawn together, since they are not independent; their sum is all
+        # that a sample needs of them.
         np.add.at(group_values, self.groups, values)
         return self.group_sums(group_values)
 
@@ -134,6 +139,8 @@ def quantile(values: Floats, share: float) -> float:
 def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
     """Return the ends of the central interval of samples (some infinite) along the first axis."""
     ordered = np.sort(samples, axis=0)
+    # By whole samples and not between them: some may be infinite, whose mean with a number would be
+    # infinite too.
     outside = max(int(0.5 * (1.0 - level) * (len(ordered) + 1) + ROUNDING), 1)
     return np.asarray(ordered[outside - 1]), np.asarray(ordered[-outside])
 
@@ -224,6 +231,7 @@ def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> 
         raise InputError(f"none of {len(table)} runs completed")
     if failed == "collapse" and OUTCOME in table:
         kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
+    # Infinite exceeds any capacity, so that quantiles and counts need no case for collapse.
     demands = np.where(completed, values, np.inf)[kept]
     collapsed = int(kept.sum() - completed.sum())
     return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, completed)
@@ -262,6 +270,7 @@ FRACTILES = (0.05, 0.16, 0.5, 0.84, 0.95)
 
 def equal_classes(values: Floats, count: int) -> Ints:
     """Return the number of the class of each value, of `count` classes of equal size."""
+    # By rank, since bounds between values would put equal ones into one class of any size.
     rank = np.argsort(np.argsort(values, kind="stable"), kind="stable")
     return np.asarray(rank * count // len(values))
 
@@ -331,6 +340,8 @@ def _median_places(count: int, level: float) -> tuple[int, int]:
     """Return the places of the ordered values that bound the median; (5, 14) of 20 at 0.95."""
     from scipy.stats import binom  # takes a second to read; starting a study does without
 
+    # The number of values below the median is binomial with 1/2, whatever the distribution of the
+    # demand.
     tail = int(binom.ppf(0.5 * (1.0 - level), count, 0.5))
     return tail - 1, count - tail
 
