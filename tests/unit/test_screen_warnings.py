@@ -53,7 +53,7 @@ def test_quantities_of_one_bearing_beyond_three_are_counted() -> None:
 
 
 def test_warnings_of_one_code_become_one_with_the_largest_effect() -> None:
-    a, b = beyond("strain", 2.1, "a"), beyond("strain", 2.3, "b")
+    a, b = beyond("strain", 2.3, "a"), beyond("strain", 2.1, "b")
     merged, plain = one_per_cause([a, "cold", b])
     assert isinstance(merged, Warned)
     assert (merged, merged.effect, merged.place) == (f"{a}; {b}", 2.3, "a")
