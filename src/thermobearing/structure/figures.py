@@ -178,6 +178,7 @@ def _separate(
     is, it is raised above what it overlaps. Boxes are in pixels of the figure after its layout.
     Sorts the names along the bridge, and returns their boxes in that order.
     """
+    # Boxes of texts are known only after the layout.
     figure.draw_without_rendering()
     point = figure.dpi / 72.0
     placed = list(taken)
@@ -208,6 +209,7 @@ def _make_room(ax: Axes, names: list[Annotation], placed: list[Bbox]) -> None:
     """Raise the upper limit of a panel above names in it."""
     frame, point = ax.get_window_extent(), drawing.parent_figure(ax).dpi / 72.0
     low, high = ax.get_ylim()
+    # A name has a fixed height in pixels: the limit that leaves room above its point.
     for name, box in zip(names, placed, strict=True):
         place = float(name.xy[1])
         above = box.y1 + 4.0 * point - ax.transData.transform((0.0, place))[1]

@@ -124,12 +124,15 @@ class StructureResult(Result):
     def _effective_masses(self) -> dict[str, Floats]:
         """Return the share of each mode in the mass; in plan along, across and in twist."""
         matrices, shapes = self.prepared.matrices, self.prepared.modes.shapes
+        # Of modes with unit modal mass: the square of the participation factor.
         modal_load = (shapes.T @ matrices.load) ** 2 / self.mass
         if not self.structure.plan:
             return {"effective_mass": modal_load}
         load, inertia = twist_load(self.structure)
+        # A structure on one axis has no inertia about the vertical, and no share of it.
         twisted = (shapes.T @ load) ** 2 / (inertia or np.nan)
         shares = np.array([*modal_load.T, twisted])
+        # Symmetry makes them zero; what is left is rounding, which differs between processors.
         shares[shares < AT_REST] = 0.0
         return dict(zip(EFFECTIVE_MASSES, shares, strict=True))
 

@@ -96,6 +96,8 @@ def compile_face(kernel: Kernel, kinds_of_call: tuple[Any, ...]) -> Compiled:
             for k, kind in enumerate(results):
                 single = not isinstance(result, types.BaseTuple)
                 value = values[1] if single else builder.extract_value(values[1], k)
+                # Slots have eight bytes: a bool or a short integer would leave the rest of its slot
+                # unset.
                 if not isinstance(kind, types.Float):
                     value = context.cast(builder, value, kind, types.int64)
                 place = builder.gep(values[0], [ir.Constant(SLOT, sum(slots) + k)], inbounds=True)
@@ -113,6 +115,7 @@ def compile_face(kernel: Kernel, kinds_of_call: tuple[Any, ...]) -> Compiled:
     with _without_collection():
         dispatcher.compile((TABLE,))
     (overload,) = dispatcher.overloads.values()
+    # Only now: the types of the results come from compiling the kernel.
     for kind in results:
         if not isinstance(kind, NUMBERS):
             raise UnsuitableError(f"{kind} has no place in a table")
@@ -147,6 +150,7 @@ def _named_rows(modules: tuple[ModuleType, ...]) -> dict[str, str]:
         and value.__module__.startswith("thermobearing.")
     ]
     names = {str(numba.from_dtype(row_type(row, 2))): f"{row.__name__}Plane" for row in records}
+    # Last, so that rows without vectors, which are the same in a plane, have the plain name.
     return names | {str(numba.from_dtype(row_type(row))): row.__name__ for row in records}
 
 

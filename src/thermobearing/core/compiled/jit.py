@@ -135,6 +135,8 @@ class Part(codegen.JITCodeLibrary):
         """Return the part with all that it calls, for a function that numba compiles alone."""
         if self._linked_module is None:
             module = _linked(_called(self, lambda _: False))
+            # Several functions that numba compiles alone may contain this part: one of them is
+            # kept.
             for function in module.functions:
                 if not function.is_declaration:
                     function.linkage = "linkonce_odr"
@@ -302,6 +304,7 @@ class _Remembered:
             del self._target.get_abi_sizeof
 
     def _signature(self, function: Any, arguments: Any, named: Any) -> Any:
+        # Only what numba provides: kernels are compiled by being resolved.
         if named or not isinstance(function, types.Function):
             return self._resolve(function, arguments, named)
         key = function, tuple(arguments)

@@ -75,6 +75,8 @@ def _level() -> str:
         return "v1"
     lines = (line.partition(":")[2] for line in text.splitlines() if line.startswith("flags"))
     flags = set(next(lines, "").split())
+    # An instruction that the processor lacks ends the program, so unknown flags mean the lowest
+    # level.
     if not LEVELS["v3"] <= flags:
         return "v1"
     return "v4" if LEVELS["v4"] <= flags else "v3"
@@ -85,6 +87,7 @@ def library_name(choice: str = "") -> str:
     machine = platform.machine().lower()
     machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(machine, machine)
     system = {"darwin": "macos", "win32": "windows"}.get(sys.platform, sys.platform)
+    # A Python of 32 bits on a machine of 64 cannot load its libraries.
     if struct.calcsize("P") != 8:
         machine += "-32"
     if (system, machine) == ("linux", "x86_64"):

@@ -177,6 +177,7 @@ def stored_type(kind: Any) -> Any:
         entries = {stored_type(entry) for entry in kind.types}
         if len(entries) == 1:
             return Listed(entries.pop())
+    # Kernels do not write into arrays that are read-only; with one type for both there is one face.
     if isinstance(kind, types.Array) and kind.layout == "C":
         return kind.copy(readonly=False)
     if isinstance(kind, NUMBERS):
@@ -220,6 +221,7 @@ def load(context: Any, builder: Any, kind: Any, table: Any, slot: int) -> Any:
         item = context.get_data_type(kind.dtype)
         stride = ir.Constant(SLOT, context.get_abi_sizeof(item))
         strides = [stride]
+        # The last axis is the nearest in memory.
         for length in reversed(shape[1:]):
             strides.insert(0, builder.mul(strides[0], length))
         array = context.make_array(kind)(context, builder)
