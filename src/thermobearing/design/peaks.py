@@ -15,6 +15,7 @@ from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import Check
 from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.warned import Warned
 
 if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup
@@ -89,14 +90,15 @@ def _combined(values: Sequence[float], motions: Sequence[Motion], rule: PeakRule
     )
 
 
-def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[str]:
-    """Return a sentence on the groups that have fewer motions than the rule takes a mean of."""
+def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[Warned]:
+    """Return a warning of the groups that have fewer motions than the rule takes a mean of."""
     least = peak_rule(rule).least
     groups = [mean_group(motion) for motion in motions]
     counts = {group: groups.count(group) for group in groups}
     small_groups = [f"{group} has {count}" for group, count in counts.items() if count < least]
     needs = f"the largest peaks are used; a mean needs {least} motions or more of a group"
-    return [f"{needs}, and {', '.join(small_groups)}"] if small_groups else []
+    sentence = f"{needs}, and {', '.join(small_groups)}"
+    return [Warned(sentence, "few_motions")] if small_groups else []
 
 
 def peaks_by_part(

@@ -38,7 +38,7 @@ from thermobearing.model.limits import (
     Limits,
     load_limits,
 )
-from thermobearing.quantities.warned import UNUSABLE, Warned, as_warned
+from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute, warnings_attributes
 
@@ -341,9 +341,8 @@ def check_bearings(
         if result.outcome == "completed":
             code_rows = _rows(result, case, code, rotation, zone, limits)
             starred = any(row["unverified"] and not math.isnan(row["limit"]) for row in code_rows)
-            code_warnings: list[str] = [
-                f"not checked against the published text: {code.citation}"
-            ] * starred
+            unverified = f"not checked against the published text: {code.citation}"
+            code_warnings = [Warned(unverified, "unverified_code")] * starred
             code_warnings += few_motions(case.motions, code.peaks)
             code_warnings += failed_checks(code_rows)
         else:
@@ -352,9 +351,7 @@ def check_bearings(
                 [Warned(f"{NOT_CHECKED} {result.outcome}", "not_checked", UNUSABLE)],
             )
         warnings += [
-            text
-            for message in code_warnings
-            if (text := as_warned(message).about(code.title)) not in warnings
+            text for message in code_warnings if (text := message.about(code.title)) not in warnings
         ]
         rows += code_rows
     attributes = {"bearing_checks": as_attribute(rows)} | warnings_attributes(warnings)

@@ -230,16 +230,17 @@ def _collect_warnings(
     return warnings_attributes(messages) | attributes
 
 
-def _climate_messages(case: EarthquakeCase) -> list[str]:
+def _climate_messages(case: EarthquakeCase) -> list[Warned]:
     """Return a message for each line that does not follow the temperatures that are compared."""
     messages = []
     for item in case.lines if len(case.ambient) > 1 else ():
         if item.ambient is not None or item.weather is not None:
             climate = "in its own weather" if item.ambient is None else f"at {item.ambient:g} degC"
-            messages.append(
+            sentence = (
                 f"line {item.line} stays {climate} in all runs; comparisons of temperatures do not "
                 "apply to it"
             )
+            messages.append(Warned(sentence, f"climate_of_line.{item.line}"))
     return messages
 
 

@@ -28,6 +28,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.quantities.governing import largest_by, order_from_largest, place_of_largest
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import EXCEEDED, Warned
 from thermobearing.results.directory import FRAME_PERIODS, RESOLVED
 from thermobearing.results.screen import say, show_table
 from thermobearing.results.writing import write_csv
@@ -534,19 +535,21 @@ class ImportedFrame(StructureResult):
             difference = row["period_difference"]
             share, frame_share = row["effective_mass"], row["frame_effective_mass"]
             if abs(difference) > LIMIT:
-                messages.append(
+                text = (
                     f"The period of {period:.3g} s is {frame_period:.3g} s in the frame "
                     f"({difference:+.0%}; limit {LIMIT:.0%}): this mode bends the piers, which are "
                     "rigid here"
                 )
+                messages.append(Warned(text, "other_period", EXCEEDED))
             elif np.isnan(period):
-                messages.append(
+                text = (
                     f"The mode of the frame at {frame_period:.3g} s, with {frame_share:.0%} of the "
                     "mass, is not in the model: it bends piers or decks, which are rigid here"
                 )
+                messages.append(Warned(text, "lost_mode", EXCEEDED))
             elif np.isnan(frame_period) and share > LOST:
                 words = f"with {share:.1%} of the mass, has no counterpart in the frame"
-                messages.append(f"The mode at {period:.4g} s, {words}")
+                messages.append(Warned(f"The mode at {period:.4g} s, {words}", "added_mode"))
         return messages
 
     def tables(self) -> dict[str, Table]:

@@ -25,6 +25,7 @@ from thermobearing.climate.site import as_weather
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
@@ -284,19 +285,21 @@ class StudyResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        sentences = []
+        messages: list[str] = []
         if self.outcome == "incomplete":
-            sentences.append(f"{self.runs} of {self.manifest['runs']} runs are complete")
+            completion = f"{self.runs} of {self.manifest['runs']} runs are complete"
+            messages.append(Warned(completion, "incomplete", UNUSABLE))
         if self.failed:
-            sentences.append(self._failure_sentence())
-        sentences += extrapolations(self.table, self.study.factors.bearing.levels)
+            messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
+        messages += extrapolations(self.table, self.study.factors.bearing.levels)
         if MATRIX in self.table and not self._has_sobol_design:
-            sentences.append(
+            ratios = (
                 "the shares of variance are correlation ratios, not Sobol' indices, which need "
                 "one combination of levels (motion, bearing, structure, temperature): make a study "
                 "of each"
             )
-        return sentences + self.study.pair_notes
+            messages.append(Warned(ratios, "correlation_ratios"))
+        return messages + self.study.pair_notes
 
     @property
     def _has_sobol_design(self) -> bool:

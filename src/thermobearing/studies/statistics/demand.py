@@ -26,6 +26,7 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.result import STRAIN
 from thermobearing.model.outcomes import CAVITATED, PIER_BEYOND_LIMIT, UNSTABLE, UPLIFT
 from thermobearing.quantities.governing import SLACK_KELVIN, order_from_largest
+from thermobearing.quantities.warned import BEYOND_TESTS, UNTESTED, Warned
 from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import SLACK
@@ -367,7 +368,7 @@ def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None)
     return [int(run) for run in completed["run"].iloc[order[:count]]]
 
 
-def extrapolations(table: "pd.DataFrame", bearings: Sequence[Any]) -> list[str]:
+def extrapolations(table: "pd.DataFrame", bearings: Sequence[Any]) -> list[Warned]:
     """Return, for each bearing, how many runs leave its calibration range, if not few do."""
     sentences = []
     for bearing in bearings:
@@ -389,8 +390,9 @@ def extrapolations(table: "pd.DataFrame", bearings: Sequence[Any]) -> list[str]:
             if above > FEW_BEYOND * len(runs):
                 beyond.append(f"{above} above a strain of {percent(largest)}")
         if beyond:
-            sentences.append(
-                f"{bearing.name}: of {len(runs)} runs, {joined(beyond)} leave the calibration "
-                "range; their results are extrapolated"
+            sentence = (
+                f"of {len(runs)} runs, {joined(beyond)} leave the calibration range; their "
+                "results are extrapolated"
             )
+            sentences.append(Warned(sentence, BEYOND_TESTS, UNTESTED, bearing.name))
     return sentences
