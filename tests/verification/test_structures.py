@@ -273,3 +273,12 @@ def test_bearing_is_the_same_as_in_a_cyclic_test() -> None:
     for x, force in zip(bearing["displacement"][1:], bearing["force"][1:], strict=True):
         assert element.set_trial(float(x), DT, AMBIENT).force == force
         element.commit()
+
+
+def test_steps_far_below_usual_ones_find_their_equilibrium() -> None:
+    time = np.arange(0.0, 0.2, 0.01)
+    motion = tb.GroundMotion("sine", 0.01, 3000.0 * np.sin(2.0 * np.pi * time))
+    usual, short = (
+        tb.bridge(motion=motion, bearing="shen-hdr-bridge", ambient=-20, dt=dt)
+        for dt in (1e-3, 1e-5)
+    )

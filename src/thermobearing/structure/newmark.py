@@ -111,6 +111,7 @@ def _note_peaks(
         peak.moment = max(peak.moment, abs(bend.moment))
 
 
+ROUNDING = 2.0**-52  # of a coordinate, as a share of it
 MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
 
 
@@ -129,28 +130,48 @@ def start_motion(system: System, motion: Motion, ground: Vector) -> bool:
 
 
 @compiled
+def rate_factors(scheme: Scheme, dt: float) -> tuple[float, float, float]:
+    """What a change of displacement over dt [s] adds to acceleration and velocity; see `residual`.
+
+    The last is what the acceleration of the start takes from that of the end.
+    """
+    per_beta = 1.0 / scheme.beta
+    per_dt = 1.0 / dt
+    by_v = per_beta * per_dt
+    return by_v * per_dt, scheme.gamma * by_v, 0.5 * per_beta - 1.0
+
+
+@compiled
 def residual(
-    system: System, motion: Motion, scheme: Scheme, dt: float, ground: Vector, scale: Peak
+    system: System,
+    motion: Motion,
+    scheme: Scheme,
+    factors: tuple[float, float, float],
+    dt: float,
+    ground: Vector,
+    scale: Peak,
 ) -> bool:
     """Compute the unbalanced forces at the trial coordinates, and the effective tangent.
 
     Each force is weighted with its own effective stiffness, since rotations and displacements
     have different units. Returns whether the residual is within the tolerance, relative to the
-    inertial forces of an acceleration `scale`.
+    inertial forces of an acceleration `scale`, or within what rounding the coordinates makes of
+    it: the inertial force divides them by dt^2, so that no coordinate meets the tolerance in
+    steps below about 1e-4 s. `factors` are those of `rate_factors`.
     """
     points, unknowns, n = motion.points, motion.unknowns, motion.tangent.shape[0]
     # a = (dq - dt v_0)/(beta dt^2) - (1/(2 beta) - 1) a_0, and v from gamma.
-    by_a, by_v = 1.0 / (scheme.beta * dt * dt), scheme.gamma / (scheme.beta * dt)
+    by_a, by_v, by_start = factors
     for i in range(n):
         change = points[i].trial - points[i].q
-        a = by_a * (change - dt * points[i].v) - (0.5 / scheme.beta - 1.0) * points[i].a
+        a = by_a * (change - dt * points[i].v) - by_start * points[i].a
         points[i].predicted_a = a
         points[i].predicted_v = points[i].v + dt * (
             (1.0 - scheme.gamma) * points[i].a + scheme.gamma * a
         )
     if len(system.devices.devices) > 0:
         move_devices(system, motion, by_v)
-    weighted_square, limit = 0.0, 0.0
+    weighted_square, limit, rounding = 0.0, 0.0, 0.0
     for i in range(n):
         r = dot(system.load[i], ground) - points[i].trial_restoring
         for j in range(n):
@@ -161,10 +182,13 @@ def residual(
             )
         unknowns[i] = r
         force = each_times(scaled(system.load[i], scheme.tolerance), scale)
-        flexibility = 1.0 / abs(motion.matrix[i, i])
+        stiffness = abs(motion.matrix[i, i])
+        flexibility = 1.0 / stiffness
         weighted_square += r * r * flexibility
         limit += dot(force, force) * flexibility
-    return weighted_square <= limit
+        rounded = ROUNDING * points[i].trial
+        rounding += rounded * rounded * stiffness
+    return weighted_square <= max(limit, rounding)
 
 
 @compiled
@@ -196,6 +220,7 @@ def _newmark_step(
     if len(system.devices.devices) > 0:
         begin_devices(system, motion, ambient)
     # The prediction has the acceleration of the start.
+    factors = rate_factors(scheme, dt)
     outcome, converged = COMPLETED, False
     for _ in range(scheme.iterations):
         set_stretches(system, motion)
@@ -206,7 +231,7 @@ def _newmark_step(
             return outcome
         motion.energies[0].iterations += select(converged | failed, 0.0, 1.0)
         # A run of a lockstep that failed counts as converged: the others decide when to stop.
-        converged = failed | residual(system, motion, scheme, dt, ground, scale)
+        converged = failed | residual(system, motion, scheme, factors, dt, ground, scale)
         if all_lanes(converged):
             ended = settle_bearings(system, bearings, ambient)
             return select(failed, outcome, ended)
