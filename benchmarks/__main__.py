@@ -14,6 +14,7 @@ from benchmarks.machine import machine
 from benchmarks.rows import Row, failed
 
 ITEMS = {
+    "operations": "Operations",
     "coupled_step": "Speed",
     "whole_test": "Speed",
     "scalar_c": "Speed",

@@ -39,7 +39,7 @@ def rows() -> list[Row]:
         rng.uniform(-1.0, 1.0, SAMPLES), rng.uniform(-LARGEST, LARGEST, SAMPLES), strict=True
     ):
         expected = integrated(z, increment, s)
-        exact = max(exact, abs(exact_increment(z, increment, 1.0, curvature)[0] - expected))
+        exact = max(exact, abs(exact_increment(z, increment, 1.0, 1.0, curvature)[0] - expected))
         small = 0.01 * increment  # explicit Euler is meant for small increments
         expected = integrated(z, small, s)
         euler = max(euler, abs(euler_increment(z, small, 1.0, curvature)[0] - expected))

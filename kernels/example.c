@@ -16,9 +16,11 @@ int main(void)
     double multiplicity = 1.0, none = 0.0, end_loss = 1e-4, capacity = 2000.0;
     tb_LayerCells place = {.first = 0, .last = 1, .upper_middle = 0, .lower_middle = 0};
     tb_Constants constants = {
-        .rubber = {.layer_count = 1.0, .elastic_stiffness = 1.0, .hysteretic_stiffness = 8.0,
+        .rubber = {.layer_count = 1.0, .layer_share = 1.0,
+                   .elastic_stiffness = 1.0, .hysteretic_stiffness = 8.0,
                    .elastic_exponent = -0.004, .hysteretic_exponent = -0.012,
-                   .reference_temperature = 23.0, .monotone = 1, .yield_displacement = 4.0,
+                   .reference_temperature = 23.0, .monotone = 1,
+                   .yield_displacement = 4.0, .per_yield_displacement = 1.0 / 4.0,
                    .unloading_curvature = 0.05, .scragging_displacement = 1.0,
                    .mullins_decay = 1.0, .mullins_renewal = 1.0, .sharing_full = -1.0},
         .lead = {.clock_rate = 1.0, .fold = 1.0},
@@ -28,12 +30,13 @@ int main(void)
         .lead_cells = NONE, .lead_modes = NONE, .source_rise = 1.0 / 2000.0,
         .side_implicit = 1, .limits = {-273.15, 1e9, 1e9},
     };
-    double scratch[14] = {0};
+    double scratch[12] = {0};
+    tb_DurationWork duration = {0};
     tb_Workspace work = {
-        .factored_dt = ONE(scratch[0]),
-        .layers = {ONE(scratch[1]), ONE(scratch[2]), ONE(scratch[3]), ONE(scratch[4]),
-                   ONE(scratch[5]), ONE(scratch[6]), ONE(scratch[7]), ONE(scratch[8])},
-        .cells = {ONE(scratch[9]), ONE(scratch[10]), ONE(scratch[11]), ONE(scratch[12])},
+        .duration = ONE(duration),
+        .layers = {ONE(scratch[0]), ONE(scratch[1]), ONE(scratch[2]), ONE(scratch[3]),
+                   ONE(scratch[4]), ONE(scratch[5]), ONE(scratch[6]), ONE(scratch[7])},
+        .cells = {ONE(scratch[8]), ONE(scratch[9]), ONE(scratch[10]), ONE(scratch[11])},
         .lead_ports = {{0, {0, 0}}, NONE, NONE}, .lead_modes = NONE,
     };
     tb_Layer layers[2] = {{.virgin = 1.0}, {.virgin = 1.0}};

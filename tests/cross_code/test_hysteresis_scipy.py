@@ -50,7 +50,7 @@ def test_closed_form_agrees_with_scipy(s: float, measured: Recorder) -> None:
     for _ in range(SAMPLES):
         z = rng.uniform(-D_Y, D_Y)
         increment = rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-2.0, 1.0) * D_Y
-        closed, _ = exact_increment(z, increment, D_Y, curvature)
+        closed, _ = exact_increment(z, increment, D_Y, 1.0 / D_Y, curvature)
         other = integrated(z, increment, s)
         worst = max(worst, abs(closed - other) / D_Y)
         assert_allclose(closed, other, rtol=0.0, atol=SCIPY_HYSTERESIS * D_Y)

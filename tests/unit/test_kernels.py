@@ -178,7 +178,7 @@ def test_folder_of_another_user_is_not_used(
 RUNS = """
 import sys
 from thermobearing.core.hysteresis import exact_increment
-print(exact_increment(0.5, 2.0, 6.0, 0.1)[0], "numba" in sys.modules)
+print(exact_increment(0.5, 2.0, 6.0, 1.0 / 6.0, 0.1)[0], "numba" in sys.modules)
 """
 
 
@@ -228,7 +228,7 @@ import sys
 from thermobearing.core.hysteresis import exact_increment
 print("ready", flush=True)
 sys.stdin.readline()
-print(exact_increment(0.5, 2.0, 6.0, 0.1))
+print(exact_increment(0.5, 2.0, 6.0, 1.0 / 6.0, 0.1))
 """
 
 

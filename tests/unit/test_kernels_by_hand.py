@@ -13,8 +13,14 @@ from thermobearing.core.hardening import force_and_tangent, surely_stiff
 from thermobearing.core.hysteresis import euler_increment, exact_increment
 from thermobearing.core.lead import core_force, core_heat
 from thermobearing.core.records import rows
-from thermobearing.core.step import maxwell, recoverable_energy, runs_away
-from thermobearing.core.types import HEAT_FROM_DISSIPATION, HEAT_FROM_WORK, Layer, new_state
+from thermobearing.core.step import maxwell, recoverable_energy, relax, runs_away
+from thermobearing.core.types import (
+    HEAT_FROM_DISSIPATION,
+    HEAT_FROM_WORK,
+    DurationWork,
+    Layer,
+    new_state,
+)
 from thermobearing.cyclic.equivalent import backbone
 from thermobearing.model.constants import build_constants
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
@@ -50,27 +56,28 @@ def integrated(z: float, increment: float, curvature: float) -> float:
 @pytest.mark.parametrize("increment", [-1.5, -0.2, 0.3, 2.0])
 def test_exact_increment_solves_its_equation(shape: float, z: float, increment: float) -> None:
     curvature = (1.0 - shape) / ((1.0 + shape) * D_Y**2)
-    found, slope = exact_increment(z, increment, D_Y, curvature)
+    found, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, curvature)
     assert_allclose(found, integrated(z, increment, curvature), atol=tol.RUNGE_KUTTA)
     step = math.copysign(1e-6, increment)
-    ahead, _ = exact_increment(z, increment + step, D_Y, curvature)
+    ahead, _ = exact_increment(z, increment + step, D_Y, 1.0 / D_Y, curvature)
     assert_allclose((ahead - found) / step, slope, atol=1e-5)
 
 
 def test_euler_increment_by_hand() -> None:
     """Loading loses z^2/d_y^2 of the slope, unloading gains c z^2; mirrored downwards."""
     for sign in (1.0, -1.0):
-        z, slope = euler_increment(sign * 0.4, sign * 0.1, D_Y, 3.0)
+        z, slope = euler_increment(sign * 0.4, sign * 0.1, 1.0 / D_Y, 3.0)
         assert_allclose([sign * z, slope], [0.4 + 0.1 * 0.75, 0.75])
-        z, slope = euler_increment(-sign * 0.4, sign * 0.1, D_Y, 3.0)
+        z, slope = euler_increment(-sign * 0.4, sign * 0.1, 1.0 / D_Y, 3.0)
         assert_allclose([sign * z, slope], [-0.4 + 0.1 * 1.48, 1.48])
 
 
 def test_maxwell_branch_by_hand() -> None:
     """K_v = 2 kN/mm, tau = 0.5 s; held, and moved by 3 mm in 0.1 s."""
-    decay = math.exp(-0.2)
-    assert_allclose(maxwell(2.0, 0.5, 7.0, 0.0, 0.1)[0], 7.0 * decay)
-    force, tangent = maxwell(2.0, 0.5, 7.0, 3.0, 0.1)
+    decay, duration = math.exp(-0.2), rows(DurationWork, 1)[0]
+    relax(0.5, 0.1, duration)
+    assert_allclose(maxwell(2.0, duration, 7.0, 0.0)[0], 7.0 * decay)
+    force, tangent = maxwell(2.0, duration, 7.0, 3.0)
     assert_allclose(tangent, 2.0 * 0.5 / 0.1 * (1.0 - decay))
     assert_allclose(force, 7.0 * decay + 3.0 * tangent)
 
@@ -199,7 +206,7 @@ def test_bound_of_the_margin_is_on_the_safe_side() -> None:
         ke, kh = 1.0, random.uniform(2.0, 30.0)
         d_y = RUBBER.yield_displacement
         z = random.uniform(-d_y, d_y)
-        after, _ = exact_increment(z, step, d_y, RUBBER.unloading_curvature)
+        after, _ = exact_increment(z, step, d_y, 1.0 / d_y, RUBBER.unloading_curvature)
         s = d + step
         slope = 1.0 - (after / d_y) ** 2
         b = RUBBER.hardening

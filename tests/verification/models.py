@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.library import load_bearing
 from thermobearing.bearing.model import Bearing, Material, SquarePlan
-from thermobearing.core.heat import eliminate, factor, substitute
+from thermobearing.core.heat import conduct, factor, has_side_loss
 from thermobearing.core.march import march
 from thermobearing.core.records import Floats, Rows, labels, rows
 from thermobearing.core.types import (
@@ -96,9 +96,8 @@ def heat_step(
     factor(rates, constants.side_implicit, dt, work)
     work.change[:] = source
     after = np.empty(len(temperature))
-    implicit = constants.side_implicit
-    eliminate(rates, temperature, dt, ambient, work)
-    response = substitute(rates, implicit, temperature, dt, ambient, work, after)
+    implicit, sides = constants.side_implicit, has_side_loss(rates) != 0.0
+    response = conduct(rates, implicit, sides, temperature, dt, ambient, work, after)
     assert np.array_equal(after, temperature + work.change)
     return HeatStep(work.change, *response)
 

@@ -7,7 +7,9 @@ from numpy.testing import assert_allclose
 from tests import tolerances as tol
 from tests.quick import quick_cases
 from thermobearing.core.hysteresis import euler_increment, exact_increment
-from thermobearing.core.step import maxwell
+from thermobearing.core.records import rows
+from thermobearing.core.step import maxwell, relax
+from thermobearing.core.types import DurationWork
 
 D_Y = 1.549  # mm, Table 4.2; the law scales with it
 SHAPES = (-0.99, -0.864, -0.3, 0.0, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 1.7, 3.0)
@@ -34,10 +36,10 @@ def samples(seed: int) -> list[tuple[float, float]]:
 def test_one_increment_equals_a_thousand_small_ones(s: float) -> None:
     c = curvature(s)
     for z, increment in samples(1):
-        whole, slope = exact_increment(z, increment, D_Y, c)
+        whole, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, c)
         part, part_slope = z, 0.0
         for _ in range(1000):
-            part, part_slope = exact_increment(part, increment / 1000, D_Y, c)
+            part, part_slope = exact_increment(part, increment / 1000, D_Y, 1.0 / D_Y, c)
         assert_allclose(part, whole, rtol=0.0, atol=tol.SPLIT_INCREMENT * D_Y)
         assert_allclose(part_slope, slope, rtol=0.0, atol=tol.SPLIT_INCREMENT / (1.0 + s))
 
@@ -46,9 +48,9 @@ def test_one_increment_equals_a_thousand_small_ones(s: float) -> None:
 def test_tangent_is_the_derivative_of_the_increment(s: float) -> None:
     c, h = curvature(s), tol.TANGENT_STEP * D_Y
     for z, increment in samples(2):
-        _, slope = exact_increment(z, increment, D_Y, c)
-        above, _ = exact_increment(z, increment + h, D_Y, c)
-        below, _ = exact_increment(z, increment - h, D_Y, c)
+        _, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, c)
+        above, _ = exact_increment(z, increment + h, D_Y, 1.0 / D_Y, c)
+        below, _ = exact_increment(z, increment - h, D_Y, 1.0 / D_Y, c)
         difference = (above - below) / (2.0 * h)
         assert_allclose(slope, difference, rtol=tol.TANGENT_HYSTERESIS, atol=tol.TANGENT_HYSTERESIS)
 
@@ -57,25 +59,27 @@ def test_tangent_is_the_derivative_of_the_increment(s: float) -> None:
 def test_z_stays_within_the_yield_displacement_and_is_odd(s: float) -> None:
     c = curvature(s)
     for z, increment in samples(3):
-        new, slope = exact_increment(z, increment, D_Y, c)
+        new, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, c)
         assert abs(new) <= D_Y * (1.0 + tol.BOUND_ROUNDING)
         assert slope >= -tol.BOUND_ROUNDING
-        assert exact_increment(-z, -increment, D_Y, c) == (-new, slope)
+        assert exact_increment(-z, -increment, D_Y, 1.0 / D_Y, c) == (-new, slope)
 
 
 def test_z_saturates_at_the_yield_displacement() -> None:
     """A = 1: Eq. 5.35 drops it, and any other value would saturate elsewhere."""
     for s in SHAPES:
-        z, slope = exact_increment(-0.7 * D_Y, 40.0 * D_Y, D_Y, curvature(s))
+        z, slope = exact_increment(-0.7 * D_Y, 40.0 * D_Y, D_Y, 1.0 / D_Y, curvature(s))
         assert_allclose(z, D_Y, rtol=tol.BOUND_ROUNDING, atol=0.0)
         assert_allclose(slope, 0.0, rtol=0.0, atol=4.0 * tol.BOUND_ROUNDING)
 
 
 def z_after(path: np.ndarray, c: float, euler: bool) -> float:
-    advance = euler_increment if euler else exact_increment
     z, d = 0.0, 0.0
     for target in path:
-        z, _ = advance(z, target - d, D_Y, c)
+        if euler:
+            z, _ = euler_increment(z, target - d, 1.0 / D_Y, c)
+        else:
+            z, _ = exact_increment(z, target - d, D_Y, 1.0 / D_Y, c)
         d = target
     return z
 
@@ -95,10 +99,17 @@ def test_euler_tends_to_the_exact_increment_with_order_one(s: float) -> None:
 K, TAU = 1.89, 0.213 / 1.89  # kN/mm and s, Table 5.2
 
 
+def viscous(force: float, dx: float, dt: float) -> tuple[float, float]:
+    """Force [kN] and tangent [kN/mm] after dx [mm] in dt [s]."""
+    duration = rows(DurationWork, 1)[0]
+    relax(TAU, dt, duration)
+    return maxwell(K, duration, force, dx)
+
+
 def forces(x: np.ndarray, dt: float) -> np.ndarray:
     out, f = [], 0.0
     for dx in np.diff(x, prepend=0.0):
-        f, _ = maxwell(K, TAU, f, float(dx), dt)
+        f, _ = viscous(f, float(dx), dt)
         out.append(f)
     return np.array(out)
 
@@ -134,10 +145,10 @@ def test_sine_converges_with_order_two() -> None:
 
 
 def test_limits_and_tangent() -> None:
-    slow, _ = maxwell(K, TAU, 0.0, 1e-9, 1e3)
+    slow, _ = viscous(0.0, 1e-9, 1e3)
     assert_allclose(slow, K * TAU * 1e-12, rtol=tol.MAXWELL)  # zero rate: a dashpot alone
-    fast, tangent = maxwell(K, TAU, 0.0, 1.0, 1e-9)
+    fast, tangent = viscous(0.0, 1.0, 1e-9)
     assert_allclose([fast, tangent], K, rtol=1e-8)  # infinite rate: the spring alone
-    force, tangent = maxwell(K, TAU, 2.0, 0.3, 0.01)
-    ahead, _ = maxwell(K, TAU, 2.0, 0.3 + 1e-3, 0.01)
+    force, tangent = viscous(2.0, 0.3, 0.01)
+    ahead, _ = viscous(2.0, 0.3 + 1e-3, 0.01)
     assert_allclose(tangent, (ahead - force) / 1e-3, rtol=1e-9)

@@ -73,10 +73,10 @@ def test_z_of_every_layer_is_the_exact_increment(name: str, temperature: float) 
     d_y = bearing.hysteresis.yield_displacement
     c = run.constants.rubber.unloading_curvature
     d = np.vstack([np.zeros_like(run.d[:1]), run.d])
-    z = np.vstack([np.zeros_like(run.z[:1]), run.z])
+    z, moved = np.vstack([np.zeros_like(run.z[:1]), run.z]), np.diff(d, axis=0)
     exact = np.array(
         [
-            [exact_increment(z[i, j], d[i + 1, j] - d[i, j], d_y, c)[0] for j in range(3)]
+            [exact_increment(z[i, j], moved[i, j], d_y, 1.0 / d_y, c)[0] for j in range(3)]
             for i in range(len(run.d))
         ]
     )

@@ -125,6 +125,7 @@ def _bearing():
         elastic_stiffness=0.944620,
         hysteretic_stiffness=153.938 / 18.107,
         yield_displacement=18.107,
+        per_yield_displacement=1.0 / 18.107,
         unloading_curvature=0.8 / 18.107**2,
     )
     column = build_column(BEARING_L, LEAD, secant=0.0)

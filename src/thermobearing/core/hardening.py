@@ -51,7 +51,8 @@ def _strain_factor_on_line(
                 select(straight, line, b * s * s),
                 select(straight, math.copysign(steepest, s), 2.0 * b * s),
             )
-    return b * s * s, 2.0 * b * s
+    by_half = b * s
+    return by_half * s, 2.0 * by_half
 
 
 @compiled
@@ -69,6 +70,8 @@ strain_factor = choice(_strain_factor_on_line, _strain_factor_in_plane, at=3)
 @compiled
 def hardening_strain(d: Vector, mean: Vector, w: float) -> Vector:
     """Strain s at which the hardening factor is taken, as a displacement [mm]."""
+    if all_lanes(w == 0.0):
+        return d
     return plus(scaled(d, 1.0 - w), scaled(mean, w))
 
 
@@ -86,7 +89,9 @@ def force_and_tangent(
     """Layer force [kN] and tangent [kN/mm] from d, Z and dZ/dd (Eq. 4.34, hardening at s)."""
     strain_term, by_s = strain_factor(rubber, ke, kh, hardening_strain(d, mean, w), z)
     hardening = 1.0 + strain_term
-    by_strain = outer(z, scaled(by_s, 1.0 - w))
+    if any_lane(w != 0.0):
+        by_s = scaled(by_s, 1.0 - w)
+    by_strain = outer(z, by_s)
     force = plus(scaled(d, ke), scaled(z, hardening * kh))
     return force, plus(isotropic(d, ke), scaled(plus(scaled(slope, hardening), by_strain), kh))
 
@@ -112,7 +117,7 @@ def surely_stiff(rubber: Rubber, ke: float, kh: float, layer: Layer, step: float
         return no(crosses)
     if all_lanes(too_far):
         return False
-    u, b = against / d_y, rubber.hardening
+    u, b = against * rubber.per_yield_displacement, rubber.hardening
     # Both terms of the margin are smallest at that Z.
     lowest = (1.0 + b * d * d) * (1.0 - u * u) - 2.0 * b * abs(d) * against
     enough = ke + kh * lowest >= rubber.sharing_start * ke
@@ -145,11 +150,13 @@ def _margin_on_line(
     stiffens = stiffens | (d * z >= 0.0)
     if all_lanes(stiffens):
         return 1.0, 0.0
-    slope = 1.0 - (z / d_y) * (z / d_y)
-    by_slope = -2.0 * z * by / (d_y * d_y)
-    hardening = 1.0 + b * d * d
-    value = 1.0 + kh / ke * (hardening * slope + 2.0 * b * d * z)
-    rate = kh / ke * (2.0 * b * (d * slope + z + d * by) + hardening * by_slope)
+    per = rubber.per_yield_displacement
+    relative = z * per
+    slope = 1.0 - relative * relative
+    by_slope = -2.0 * relative * by * per
+    hardening, ratio = 1.0 + b * d * d, kh / ke
+    value = 1.0 + ratio * (hardening * slope + 2.0 * b * d * z)
+    rate = ratio * (2.0 * b * (d * slope + z + d * by) + hardening * by_slope)
     return select(stiffens, 1.0, value), select(stiffens, 0.0, rate)
 
 
@@ -224,13 +231,13 @@ def weight(rubber: Rubber, old: State, work: LayerWork, step: Vector) -> tuple[f
         value, by = margin(rubber, work.elastic[j], work.hysteretic[j], old, j, step)
         is_smaller = value < smallest
         smallest, rate = select(is_smaller, value, smallest), pick(is_smaller, by, rate)
-    width = rubber.sharing_start - rubber.sharing_full
-    t = (rubber.sharing_start - smallest) / width
-    none, all_of_it = t <= 0.0, t >= 1.0
+    none, all_of_it = smallest >= rubber.sharing_start, smallest <= rubber.sharing_full
     if all_lanes(none):
         return 0.0, zero(step)
     if all_lanes(all_of_it):
         return 1.0, zero(step)
+    width = rubber.sharing_start - rubber.sharing_full
+    t = (rubber.sharing_start - smallest) / width
     # A smooth step, whose slope is zero at both ends: the tangent stays continuous.
     w = t * t * (3.0 - 2.0 * t)
     by_step = scaled(rate, -6.0 * t * (1.0 - t) / width)

@@ -12,6 +12,7 @@ matrix (P2: explicit in time, as printed).
 """
 
 from thermobearing.core.compiled.kernel import compiled, compiled_apart
+from thermobearing.core.lanes.choose import select
 from thermobearing.core.records import Floats
 from thermobearing.core.types import Cells, CellWork
 
@@ -38,54 +39,101 @@ def factor(rates: Cells, side_implicit: bool, dt: float, cells: CellWork) -> Non
         previous_pivot = pivot
 
 
+@compiled_apart
+def has_side_loss(rates: Cells) -> float:
+    """Return 1 if a cell loses heat through its side, else 0."""
+    loss = 0.0
+    for i in range(len(rates.side_loss)):
+        loss += rates.side_loss[i]
+    return select(loss > 0.0, 1.0, 0.0)
+
+
+@compiled
+def _lost_through_face(
+    rates: Cells, temperature: Floats, change: Floats, ambient: float, i: int
+) -> float:
+    """Heat that an outer cell loses per time [kN mm/s], the mean of a step."""
+    mean_excess = temperature[i] - ambient + 0.5 * change[i]
+    lost: float = rates.capacity[i] * rates.end_loss[i] * mean_excess
+    return lost
+
+
 @compiled
 def eliminate(
-    rates: Cells, temperature: Floats, dt: float, ambient: float, cells: CellWork
-) -> None:
+    rates: Cells, sides: bool, temperature: Floats, dt: float, ambient: float, cells: CellWork
+) -> float:
     """Right sides of all cells, and the way down the matrix; `change` holds the sources [K].
 
     The explicit change -dt M T + losses is found on the way: the next cell waits for this one
-    longer than that takes.
+    longer than that takes. Without `sides` no cell loses heat through its side. Returns the heat
+    that they lose there per time at the start [kN mm/s], complete bearing.
     """
-    n, change = len(temperature), cells.change
-    last = 0.0
-    for i in range(n):
-        loss = rates.end_loss[i] + rates.side_loss[i]
-        rate = -loss * (temperature[i] - ambient)
-        if i > 0:
-            rate += rates.to_previous[i] * (temperature[i - 1] - temperature[i])
-        if i < n - 1:
-            rate += rates.to_next[i] * (temperature[i + 1] - temperature[i])
+    change, last_cell = cells.change, len(temperature) - 1
+    # Only the outer cells have faces; a single cell has both.
+    change[0] -= dt * rates.end_loss[0] * (temperature[0] - ambient)
+    if last_cell > 0:
+        end_excess = temperature[last_cell] - ambient
+        change[last_cell] -= dt * rates.end_loss[last_cell] * end_excess
+    last, difference, lost = 0.0, 0.0, 0.0
+    for i in range(last_cell + 1):
+        # The difference to the cell before is that to the next one of the cell before.
+        rate = -rates.to_previous[i] * difference
+        if i < last_cell:
+            difference = temperature[i + 1] - temperature[i]
+            rate += rates.to_next[i] * difference
+        if sides:
+            loss = rates.side_loss[i] * (temperature[i] - ambient)
+            rate -= loss
+            lost += rates.capacity[i] * loss
         last = dt * rate + change[i] - cells.elimination[i] * last
         change[i] = last
+    return lost
 
 
 @compiled
 def substitute(
+    rates: Cells, sides: bool, temperature: Floats, cells: CellWork, after: Floats
+) -> tuple[float, float]:
+    """The way up the matrix: `change` [K] and temperatures `after` the step.
+
+    Returns the heat stored over the step [kN mm], and, with `sides`, by how much more heat leaves
+    there per time at its end than at its start [kN mm/s]; complete bearing.
+    """
+    change = cells.change
+    last, stored, lost = 0.0, 0.0, 0.0
+    for i in range(len(temperature) - 1, -1, -1):
+        last = change[i] * cells.pivot[i] - cells.upper[i] * last
+        change[i] = last
+        after[i] = temperature[i] + last
+        heat = rates.capacity[i] * last
+        stored += heat
+        if sides:
+            lost += rates.side_loss[i] * heat
+    return stored, lost
+
+
+@compiled
+def conduct(
     rates: Cells,
     side_implicit: bool,
+    sides: bool,
     temperature: Floats,
     dt: float,
     ambient: float,
     cells: CellWork,
     after: Floats,
 ) -> tuple[float, float, float]:
-    """The way up the matrix: `change` [K], temperatures `after` the step, and the response.
+    """One step of conduction; `change` holds the sources [K] before and the changes after it.
 
     Returns the heat stored, and lost through end faces and sides, over the step [kN mm], complete
     bearing.
     """
-    # Losses at the mean excess of the step; the printed scheme takes the sides at its start (P2).
-    side_share = 0.5 if side_implicit else 0.0
-    n, change = len(temperature), cells.change
-    last, stored, ends, sides = 0.0, 0.0, 0.0, 0.0
-    for i in range(n - 1, -1, -1):
-        last = change[i] * cells.pivot[i] - cells.upper[i] * last
-        change[i] = last
-        after[i] = temperature[i] + last
-        above = temperature[i] - ambient
-        capacity = rates.capacity[i]
-        stored += capacity * last
-        sides += capacity * rates.side_loss[i] * (above + side_share * last)
-        ends += capacity * rates.end_loss[i] * (above + 0.5 * last)
-    return stored, ends * dt, sides * dt
+    start = eliminate(rates, sides, temperature, dt, ambient, cells)
+    stored, more = substitute(rates, sides, temperature, cells, after)
+    # Losses at the mean of the step; the printed scheme takes the sides at its start (P2).
+    by_sides = start + 0.5 * more if side_implicit else start
+    last_cell = len(temperature) - 1
+    ends = _lost_through_face(rates, temperature, cells.change, ambient, 0)
+    if last_cell > 0:
+        ends += _lost_through_face(rates, temperature, cells.change, ambient, last_cell)
+    return stored, ends * dt, by_sides * dt

@@ -129,12 +129,13 @@ def unload(u: float, e: float, curvature: float) -> tuple[float, float]:
     # tan begins again, but u has passed zero.
     if any_lane(curvature > 0.0):
         k = math.sqrt(curvature)
-        t = math.tan(k * e)
-        arrives = (t >= -k * u) | (k * e >= 0.5 * math.pi)
-        nearer = (u + t / k) / (1.0 - k * u * t)
+        path, start = k * e, k * u
+        t = math.tan(path)
+        arrives = (t >= -start) | (path >= 0.5 * math.pi)
+        nearer = (start + t) / (k * (1.0 - start * t))
         remaining = e
         if any_lane(arrives):
-            reach = math.atan(-k * u) / k
+            reach = math.atan(-start) / k
             remaining = e - reach
         return select(arrives, 0.0, nearer), select(arrives, remaining, 0.0)
     # c < 0 (s > 1): the same with tanh, which has no quarter turn.
@@ -154,26 +155,26 @@ def unload(u: float, e: float, curvature: float) -> tuple[float, float]:
 
 
 @compiled
-def hysteretic_slope(u: float, d_y: float, curvature: float) -> float:
-    """dZ/dd at u = sigma Z: the right side of the equations in the module's head."""
+def hysteretic_slope(u: float, per_d_y: float, curvature: float) -> float:
+    """dZ/dd at u = sigma Z: the right side of the equations in the module's head.
+
+    `per_d_y` is 1/d_y [1/mm].
+    """
     loads = u >= 0.0
-    unloading = 1.0 + curvature * u * u
-    if not any_lane(loads):
-        return unloading
-    return select(loads, 1.0 - (u / d_y) * (u / d_y), unloading)
+    curved = select(loads, -per_d_y * per_d_y, curvature)
+    return 1.0 + curved * u * u
 
 
 @compiled
 def exact_increment(
-    z: float, increment: float, d_y: float, curvature: float
+    z: float, increment: float, d_y: float, per_d_y: float, curvature: float
 ) -> tuple[float, float]:
     """Z and dZ/dd after a monotone displacement increment, in closed form.
 
-    `z`, `increment` and `d_y` are in mm, `curvature` in 1/mm2. With a zero increment the
-    tangent is that of motion in the positive direction.
+    `z`, `increment` and `d_y` are in mm, `per_d_y` = 1/d_y in 1/mm, `curvature` in 1/mm2. With a
+    zero increment the tangent is that of motion in the positive direction.
     """
     sigma = select(increment >= 0.0, 1.0, -1.0)
-    per_d_y = 1.0 / d_y
     u = sigma * z
     e = abs(increment)
     # An increment may unload to zero and load with the rest of its path.
@@ -186,16 +187,16 @@ def exact_increment(
         # u = d_y tanh(e/d_y + atanh(u_0/d_y)), written with the addition theorem.
         t = math.tanh(e * per_d_y)
         u = select(loads, (u + d_y * t) / (1.0 + u * t * per_d_y), u)
-    return sigma * u, hysteretic_slope(u, d_y, curvature)
+    return sigma * u, hysteretic_slope(u, per_d_y, curvature)
 
 
 @compiled
 def euler_increment(
-    z: float, increment: float, d_y: float, curvature: float
+    z: float, increment: float, per_d_y: float, curvature: float
 ) -> tuple[float, float]:
     """The published explicit Euler step: the slope at the start, over the complete increment."""
     u = select(increment >= 0.0, z, -z)
-    slope = hysteretic_slope(u, d_y, curvature)
+    slope = hysteretic_slope(u, per_d_y, curvature)
     return z + slope * increment, slope
 
 
@@ -300,7 +301,7 @@ def plane_increment(z: Pair, increment: Pair, d_y: float, curvature: float) -> t
     per = 1.0 / select(short, d_y, e)
     side = ratio * q
     # dZ/dd in the directions along and across: by turning the increment, across.
-    ee, ne = hysteretic_slope(after, d_y, curvature), side * growth
+    ee, ne = hysteretic_slope(after, 1.0 / d_y, curvature), side * growth
     en = select(short, q * start * p, side * (ratio - 1.0) * per)
     nn = select(short, 1.0 + start * q * q, (after - ratio * p + q * q * by_p) * per)
     by_along = plus(scaled(along, ee), scaled(across, ne))
@@ -314,20 +315,20 @@ def _advance_on_line(
     rubber: Rubber, old: State, j: int, d: float, moved: float
 ) -> tuple[float, float]:
     """Z and dZ/dd of layer j after a monotone motion to d, by `moved`."""
-    d_y, curvature = rubber.yield_displacement, rubber.unloading_curvature
+    per_d_y, curvature = rubber.per_yield_displacement, rubber.unloading_curvature
     layer = old.layers[j]
     z, centre, sigma = layer.z, 0.0, 1.0
     if rubber.law != 0:
         return user_law_on_line(rubber, z, moved)
     if rubber.integrator == EULER:
-        return euler_increment(z, moved, d_y, curvature)
+        return euler_increment(z, moved, per_d_y, curvature)
     if rubber.closed_loops:
         sigma = select(moved >= 0.0, 1.0, -1.0)
         x, z, centre, _, _ = branch(layer, old.turns[j], d, sigma)
         # On any branch Z - centre obeys the law of the outer one, turned into the positive
         # direction.
         z, moved = sigma * (z - centre), abs(d - x)
-    z, slope = exact_increment(z, moved, d_y, curvature)
+    z, slope = exact_increment(z, moved, rubber.yield_displacement, per_d_y, curvature)
     if rubber.closed_loops:
         z = centre + sigma * z
     return z, slope
@@ -358,8 +359,8 @@ def _start_slope_on_line(rubber: Rubber, old: State, j: int, step: float) -> flo
         )[1]
     if rubber.closed_loops:
         centre = entry(old.layers[j], old.turns[j], sigma)[2]
-    d_y = rubber.yield_displacement
-    return hysteretic_slope(sigma * (old.layers[j].z - centre), d_y, rubber.unloading_curvature)
+    u = sigma * (old.layers[j].z - centre)
+    return hysteretic_slope(u, rubber.per_yield_displacement, rubber.unloading_curvature)
 
 
 @compiled

@@ -40,6 +40,7 @@ from thermobearing.core.vector import (
 STRENGTH_ITERATIONS = 20
 STRENGTH_TOLERANCE = 1e-14  # of the strength, on its last Newton correction
 SMALL_EXPONENT = 1e-4  # below it two terms of a series are exact to rounding
+PER_PI = 1.0 / math.pi
 SUBSTEP = 0.25  # largest explicit loss 2 theta of the published scheme in one go
 
 
@@ -48,15 +49,16 @@ def _early_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5 below 0.6."""
     q = 0.25 * t_plus
     series = 2.0 - q - q * q - 3.75 * q * q * q
-    return 2.0 * math.sqrt(t_plus / math.pi) - t_plus / math.pi * series
+    share = t_plus * PER_PI
+    return 2.0 * math.sqrt(share) - share * series
 
 
 @compiled
 def _late_factor(t_plus: float) -> float:
     """F(t+) of Eq. 5.5 from 0.6 on."""
     q = 0.25 / t_plus
-    series = 1.0 - q / 3.0 + q * q / 6.0 - q * q * q / 12.0
-    return 8.0 / (3.0 * math.pi) - 0.5 / math.sqrt(math.pi * t_plus) * series
+    series = 1.0 + q * (-1.0 / 3.0 + q * (1.0 / 6.0 - q * (1.0 / 12.0)))
+    return 8.0 / (3.0 * math.pi) - math.sqrt(q * PER_PI) * series
 
 
 @compiled_apart
@@ -138,6 +140,12 @@ _yielding_slope = choice(_yielding_slope_on_line, _yielding_slope_in_plane)
 
 
 @compiled
+def heat_within_tests(lead: Lead, temperature: float) -> float:
+    """Heat that warms a core to the warmest lead of the tests [kN mm]."""
+    return (lead.warmest_tested - temperature) * lead.capacity
+
+
+@compiled
 def softened(lead: Lead, temperature: float, heat: float) -> tuple[float, float]:
     """Exponent by which `heat` [kN mm] lowers the strength of a core, and its slope [1/(kN mm)].
 
@@ -145,7 +153,7 @@ def softened(lead: Lead, temperature: float, heat: float) -> tuple[float, float]
     lead of the tests, the second rate beyond. Without a difference of rates, E2 alone.
     """
     per, beyond = lead.softening / lead.capacity, lead.softening_beyond / lead.capacity
-    room = (lead.warmest_tested - temperature) * lead.capacity
+    room = heat_within_tests(lead, temperature)
     inside = (lead.softening == lead.softening_beyond) | (heat <= room)
     within = select(inside, heat, room)
     return per * within + beyond * (heat - within), select(inside, per, beyond)
@@ -164,20 +172,23 @@ def core_force(
     trial = plus(before, scaled(dx, lead.stiffness))
     sign, size = direction(trial), norm(trial)
     fall = lead.softening
-    # Without softening, even by the largest heat of the step, the strength is constant and needs no
-    # iteration.
-    largest_heat = core_heat(lead, source, before, scaled(sign, lead.strength), dx)
-    lowered, _ = softened(lead, temperature, largest_heat)
-    if all_lanes((fall == 0.0) & (lowered == 0.0)):
-        yields = size > lead.strength
-        return (
-            pick(yields, scaled(sign, lead.strength), trial),
-            pick(
-                yields,
-                _slope_by_turning(lead, sign, lead.strength, size),
-                isotropic(dx, lead.stiffness),
-            ),
-        )
+    # Without softening the strength is constant within the tests, and needs no iteration. The heat
+    # is at most the strength along the whole increment, and is computed only near their end.
+    if all_lanes(fall == 0.0):
+        constant = lead.strength * norm(dx) <= heat_within_tests(lead, temperature)
+        if not all_lanes(constant):
+            largest_heat = core_heat(lead, source, before, scaled(sign, lead.strength), dx)
+            constant = softened(lead, temperature, largest_heat)[0] == 0.0
+        if all_lanes(constant):
+            yields = size > lead.strength
+            return (
+                pick(yields, scaled(sign, lead.strength), trial),
+                pick(
+                    yields,
+                    _slope_by_turning(lead, sign, lead.strength, size),
+                    isotropic(dx, lead.stiffness),
+                ),
+            )
     cold = q = lead.strength * math.exp(-fall * (temperature - lead.reference_temperature))
     # Elastic if the trial stays within the strength that its own heat leaves.
     lowered, _ = softened(lead, temperature, core_heat(lead, source, before, trial, dx))
@@ -227,11 +238,13 @@ def _run_clock(lead: Lead, old: Branches, dx: Vector, dt: float, new: Branches) 
 def phi(z: float) -> tuple[float, float]:
     """(1 - e^-z)/z and (1 - that)/z, also for small z."""
     small = z < SMALL_EXPONENT
-    first_series, second_series = 1.0 - 0.5 * z + z * z / 6.0, 0.5 - z / 6.0
+    sixth = z * (1.0 / 6.0)
+    first_series, second_series = 1.0 - 0.5 * z + z * sixth, 0.5 - sixth
     if all_lanes(small):
         return first_series, second_series
-    first = -math.expm1(-z) / z
-    return select(small, first_series, first), select(small, second_series, (1.0 - first) / z)
+    per = 1.0 / z
+    first = -math.expm1(-z) * per
+    return select(small, first_series, first), select(small, second_series, (1.0 - first) * per)
 
 
 @compiled
@@ -264,21 +277,23 @@ def exchange(
         conductance += g
         towards += g * temperature[i]
         touched += capacities[i]
-    capacity = lead.cores * lead.capacity
+    per_capacity = 1.0 / (lead.cores * lead.capacity)
     if all_lanes(conductance == 0.0):
-        return lead_temperature + heat / capacity
-    mean = towards / conductance
+        return lead_temperature + heat * per_capacity
+    per_conductance = 1.0 / conductance
+    mean = towards * per_conductance
     # Mean over the step of an excess that decays from its start, and of that which steady heating
     # builds up.
-    decay, heating = phi(dt * conductance * (1.0 / capacity + 1.0 / touched))
-    passed = dt * conductance * ((lead_temperature - mean) * decay + heat / capacity * heating)
+    decay, heating = phi(dt * conductance * (per_capacity + 1.0 / touched))
+    passed = dt * conductance * ((lead_temperature - mean) * decay + heat * per_capacity * heating)
+    passed_per_conductance = passed * per_conductance
     for k in range(len(touching)):
         i = touching[k].cell
         g = touching[k].end * ends + touching[k].side * sides
         # Cells at unequal temperatures also exchange heat through the lead, whose sum is zero.
-        gained = g * dt * (mean - temperature[i]) + passed * g / conductance
+        gained = g * (dt * (mean - temperature[i]) + passed_per_conductance)
         work.cells.change[i] += gained / capacities[i]
-    return lead_temperature + (heat - passed) / capacity
+    return lead_temperature + (heat - passed) * per_capacity
 
 
 @compiled_apart

@@ -262,11 +262,13 @@ class LayerLaw(NamedTuple):
 
 
 @compiled
-def rubber_numbers(law: LayerLaw) -> tuple[float, float, float, float, float, float, float]:
+def rubber_numbers(
+    law: LayerLaw,
+) -> tuple[float, float, float, float, float, float, float, float]:
     """Return numbers of one rubber layer (Eq. 4.34-4.37), in the order of `Rubber`.
 
-    Elastic and hysteretic stiffness, their exponents, hardening, unloading curvature and the
-    displacement of scragging.
+    Elastic and hysteretic stiffness, their exponents, hardening, the inverse of the yield
+    displacement, unloading curvature and the displacement of scragging.
     """
     return (
         law.post_yield_ratio * law.layer_stiffness,
@@ -274,6 +276,7 @@ def rubber_numbers(law: LayerLaw) -> tuple[float, float, float, float, float, fl
         law.elastic_temperature_coefficient / PER_KELVIN,
         law.hysteretic_temperature_coefficient / PER_KELVIN,
         law.hardening / law.thickness**2,
+        1.0 / law.yield_displacement,
         (1.0 - law.shape) / ((1.0 + law.shape) * law.yield_displacement**2),
         law.scragging_strain * law.thickness,
     )

@@ -51,7 +51,6 @@ from thermobearing.core.vector import (
     Vector,
     choice,
     direction,
-    divide,
     dot,
     inverse,
     isotropic,
@@ -60,7 +59,6 @@ from thermobearing.core.vector import (
     no_slope,
     norm,
     outer,
-    over,
     pick,
     plus,
     product,
@@ -99,7 +97,7 @@ def _layer_law(
 def evaluate(
     rubber: Rubber, old: State, work: LayerWork, mean: Vector, w: float, new: Rows[Layer]
 ) -> float:
-    """Forces and tangents of all layers at the trial, their Z into `new`; min tangent / ke."""
+    """Forces and tangents of all layers at the trial, their Z into `new`; smallest tangent."""
     smallest = math.inf
     for j in range(len(new)):
         force, tangent, z, slope = _layer_law(rubber, old, work, j, work.trial[j], mean, w)
@@ -107,7 +105,7 @@ def evaluate(
         work.tangent[j] = tangent
         work.slope[j] = slope
         new[j].z = z
-        smallest = min(smallest, lowest(tangent) / work.elastic[j])
+        smallest = min(smallest, lowest(tangent))
     return smallest
 
 
@@ -174,6 +172,25 @@ def _mean_strain_in_plane(
 _by_mean_strain = choice(_mean_strain_on_line, _mean_strain_in_plane, at=3)
 
 
+@compiled_apart
+def _by_mean(
+    rubber: Rubber,
+    multiplicity: Floats,
+    work: LayerWork,
+    new: Rows[Layer],
+    mean: Vector,
+    w: float,
+) -> Matrix:
+    """Derivative, by the mean displacement, of the layer displacements at a common force."""
+    by_mean = no_slope(mean)
+    for j in range(len(work.trial)):
+        per = scaled(work.flexibility[j], multiplicity[j])
+        s = hardening_strain(work.trial[j], mean, w)
+        by_strain = _by_mean_strain(rubber, per, work.hysteretic[j], new[j].z, s, w)
+        by_mean = plus(by_mean, by_strain)
+    return by_mean
+
+
 @compiled_once
 def _common_force(
     rubber: Rubber,
@@ -181,42 +198,45 @@ def _common_force(
     work: LayerWork,
     new: Rows[Layer],
     x: Vector,
+    mean: Vector,
     w: float,
 ) -> tuple[Vector, Matrix, float]:
     """Newton's common force, its tangent at fixed w, and how far the layer forces are apart."""
-    mean = over(x, rubber.layer_count)
     # Newton's d_j + C_j (F - f_j), with C_j the inverse of the tangent, and sum m_j d_j = x give F
     # = gap/compliance.
-    compliance = by_mean = no_slope(x)
+    compliance = no_slope(x)
     gap = x
     for j in range(len(work.trial)):
         flexibility = inverse(work.tangent[j], 1.0)
         work.flexibility[j] = flexibility
-        per = scaled(flexibility, multiplicity[j])
-        compliance = plus(compliance, per)
-        trial = scaled(work.trial[j], multiplicity[j])
-        gap = plus(gap, minus(times(per, work.force[j]), trial))
-        s = hardening_strain(work.trial[j], mean, w)
-        by_strain = _by_mean_strain(rubber, per, work.hysteretic[j], new[j].z, s, w)
-        by_mean = plus(by_mean, by_strain)
-    force = solve(compliance, gap)
+        compliance = plus(compliance, scaled(flexibility, multiplicity[j]))
+        ahead = minus(times(flexibility, work.force[j]), work.trial[j])
+        gap = plus(gap, scaled(ahead, multiplicity[j]))
+    tangent = inverse(compliance, 1.0)
+    force = times(tangent, gap)
     mismatch = 0.0
     for j in range(len(work.trial)):
         difference = minus(force, work.force[j])
         mismatch = max(mismatch, norm(difference))
         work.direction[j] = times(work.flexibility[j], difference)
-    # For w > 0 the forces depend on x also by the mean strain x/N.
-    by_x = plus(isotropic(x, 1.0), over(by_mean, rubber.layer_count))
-    return force, divide(compliance, by_x), mismatch
+    if any_lane(w > 0.0):
+        # The forces depend on x also by the mean strain x/N.
+        by_x = scaled(_by_mean(rubber, multiplicity, work, new, mean, w), rubber.layer_share)
+        tangent = product(tangent, plus(isotropic(x, 1.0), by_x))
+    return force, tangent, mismatch
 
 
 @compiled_apart
 def _force_by_weight(
-    rubber: Rubber, multiplicity: Floats, work: LayerWork, new: Rows[Layer], x: Vector, w: float
+    rubber: Rubber,
+    multiplicity: Floats,
+    work: LayerWork,
+    new: Rows[Layer],
+    mean: Vector,
+    w: float,
 ) -> Vector:
     """Derivative of the common force by w [kN]."""
-    mean = over(x, rubber.layer_count)
-    compliance, by_w = no_slope(x), zero(x)
+    compliance, by_w = no_slope(mean), zero(mean)
     for j in range(len(work.trial)):
         flexibility = inverse(work.tangent[j], multiplicity[j])
         compliance = plus(compliance, flexibility)
@@ -259,6 +279,7 @@ def newton(
     old: State,
     work: LayerWork,
     x: Vector,
+    mean: Vector,
     w: float,
     new: Rows[Layer],
     smallest: float,
@@ -266,15 +287,14 @@ def newton(
     """Equal layer forces at fixed w, from the trial that `work` and `smallest` describe.
 
     Returns the bearing force [kN], its tangent at fixed w [kN/mm], the smallest layer
-    tangent relative to ke, and COMPLETED, NOT_CONVERGED or NOT_FINITE.
+    tangent [kN/mm], and COMPLETED, NOT_CONVERGED or NOT_FINITE.
     """
-    mean = over(x, rubber.layer_count)
     stiffness = rubber.elastic_stiffness + rubber.hysteretic_stiffness
     # The tolerance is relative to the force, and near zero force to that at d_y.
     floor = stiffness * rubber.yield_displacement
     force, tangent, converged = zero(x), no_slope(x), False
     for iteration in range(ALL_NEWTON):
-        force, tangent, mismatch = _common_force(rubber, multiplicity, work, new, x, w)
+        force, tangent, mismatch = _common_force(rubber, multiplicity, work, new, x, mean, w)
         not_finite = no(math.isfinite(total(force) + mismatch))
         converged = mismatch <= LAST_CORRECTION * (norm(force) + floor)
         if any_lane(converged):
@@ -324,6 +344,7 @@ def _first_trial(
     old: State,
     work: LayerWork,
     x: Vector,
+    mean: Vector,
     step: Vector,
     w: float,
     new: Rows[Layer],
@@ -335,10 +356,10 @@ def _first_trial(
     """
     uniform = w > 0.0
     if not all_lanes(uniform):
-        healthy = _start_tangents(rubber, old, work, over(x, rubber.layer_count), step)
+        healthy = _start_tangents(rubber, old, work, mean, step)
         uniform = uniform | no(healthy)
         if not all_lanes(uniform):
-            _common_force(rubber, multiplicity, work, new, x, 0.0)
+            _common_force(rubber, multiplicity, work, new, x, mean, 0.0)
             for j in range(len(new)):
                 ahead = plus(work.trial[j], work.direction[j])
                 work.trial[j] = pick(uniform, plus(old.layers[j].d, step), ahead)
@@ -354,18 +375,19 @@ def solve_sharing(
     old: State,
     work: LayerWork,
     x: Vector,
+    mean: Vector,
     step: Vector,
     w: float,
     new: Rows[Layer],
 ) -> tuple[Vector, Matrix, float, int]:
     """Equal layer forces at fixed w from the start of a step; returns what `newton` does."""
-    _first_trial(rubber, multiplicity, old, work, x, step, w, new)
-    smallest = evaluate(rubber, old, work, over(x, rubber.layer_count), w, new)
-    return newton(rubber, multiplicity, old, work, x, w, new, smallest)
+    _first_trial(rubber, multiplicity, old, work, x, mean, step, w, new)
+    smallest = evaluate(rubber, old, work, mean, w, new)
+    return newton(rubber, multiplicity, old, work, x, mean, w, new, smallest)
 
 
 @compiled
-def _largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: Vector) -> float:
+def largest_mismatch(rubber: Rubber, work: LayerWork, new: Rows[Layer], force: Vector) -> float:
     """Largest difference between the bearing force and a layer's unmodified law [kN]."""
     largest = 0.0
     for j in range(len(work.trial)):
@@ -392,18 +414,18 @@ def share(
     x_old: Vector,
     x: Vector,
     new: Rows[Layer],
-) -> tuple[Vector, Matrix, float, float, int]:
+) -> tuple[Vector, Matrix, float, int]:
     """Layer displacements and Z at the bearing displacement x [mm], into `new`.
 
-    Returns the bearing force [kN], the tangent [kN/mm], the mismatch [kN], w and the outcome.
+    Returns the bearing force [kN], the tangent [kN/mm], w and the outcome.
     """
-    step = over(minus(x, x_old), rubber.layer_count)
+    mean, step = scaled(x, rubber.layer_share), scaled(minus(x, x_old), rubber.layer_share)
     w, rate = weight(rubber, old, work, step)
     force, tangent, outcome = zero(x), no_slope(x), NOT_CONVERGED
     # At most twice: with w by the tangents of equal increments, and with w = 1.
     for _ in range(2):
         force, tangent, smallest, outcome = solve_sharing(
-            rubber, multiplicity, old, work, x, step, w, new
+            rubber, multiplicity, old, work, x, mean, step, w, new
         )
         good = (w == 1.0) | ((outcome == COMPLETED) & (smallest > 0.0))
         if all_lanes(good):
@@ -412,10 +434,10 @@ def share(
         w, rate = select(good, w, 1.0), pick(good, rate, zero(x))
     if any_lane(norm(rate) != 0.0):
         # w depends on x too: dF/dx has the part dF/dw dw/dx.
-        by_w = _force_by_weight(rubber, multiplicity, work, new, x, w)
-        tangent = plus(tangent, over(outer(by_w, rate), rubber.layer_count))
+        by_w = _force_by_weight(rubber, multiplicity, work, new, mean, w)
+        tangent = plus(tangent, scaled(outer(by_w, rate), rubber.layer_share))
     if all_lanes(outcome != COMPLETED):
-        return force, tangent, 0.0, w, outcome
+        return force, tangent, w, outcome
     diverged = False
     for j in range(len(new)):
         new[j].d = work.trial[j]
@@ -424,4 +446,4 @@ def share(
         diverged = diverged | (norm(new[j].z) > EULER_LIMIT * rubber.yield_displacement)
     outcome = select((outcome == COMPLETED) & diverged, EULER_UNSTABLE, outcome)
     outcome = select((outcome == COMPLETED) & (w > 0.0), SOFTENED, outcome)
-    return force, tangent, _largest_mismatch(rubber, work, new, force), w, outcome
+    return force, tangent, w, outcome

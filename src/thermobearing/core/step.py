@@ -14,14 +14,14 @@ import math
 
 from thermobearing.core.compiled.kernel import compiled, compiled_apart, compiled_shared
 from thermobearing.core.hardening import hardening_strain, strain_factor
-from thermobearing.core.heat import eliminate, factor, substitute
+from thermobearing.core.heat import conduct, factor, has_side_loss
 from thermobearing.core.hysteresis import remember
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
 from thermobearing.core.lead import core_force, lead_step
 from thermobearing.core.lead_ends import factor_ports
 from thermobearing.core.records import Floats, Rows
 from thermobearing.core.scragging import stiffen, wear
-from thermobearing.core.sharing import share
+from thermobearing.core.sharing import largest_mismatch, share
 from thermobearing.core.types import (
     COMPLETED,
     HEAT_FROM_DISSIPATION,
@@ -30,6 +30,7 @@ from thermobearing.core.types import (
     SOFTENED,
     TEMPERATURE_RUNAWAY,
     Constants,
+    DurationWork,
     LawPiece,
     Layer,
     LayerCells,
@@ -45,7 +46,6 @@ from thermobearing.core.vector import (
     isotropic,
     minus,
     no_slope,
-    over,
     plus,
     scaled,
     total,
@@ -175,21 +175,32 @@ def _add_layer_heat(
 
 
 @compiled
+def relax(relaxation: float, dt: float, work: DurationWork) -> None:
+    """What dt [s] leaves of a force in the viscous branch, and passes of an elastic one.
+
+    `relaxation` is tau = c_v/K_v [s]. Nothing to do if the last step had both.
+    """
+    if any_lane((work.viscous_dt != dt) | (work.relaxation != relaxation)):
+        work.kept = math.exp(-dt / relaxation)
+        work.passed = -math.expm1(-dt / relaxation) * relaxation / dt
+        work.viscous_dt, work.relaxation = dt, relaxation
+
+
+@compiled
 def maxwell(
-    stiffness: float, relaxation: float, force: Vector, dx: Vector, dt: float
+    stiffness: float, work: DurationWork, force: Vector, dx: Vector
 ) -> tuple[Vector, float]:
-    """Force [kN] and tangent [kN/mm], the same in all directions, after dx [mm] in dt [s].
+    """Force [kN] and tangent [kN/mm], the same in all directions, after dx [mm].
 
     Of a dashpot and a spring in series, parallel to the rubber (Eq. 5.38-5.39),
 
         f_v' + f_v / tau = K_v x',   tau = c_v / K_v,
 
-    exact for a displacement that changes linearly over the step. `stiffness` is
-    K_v [kN/mm], `relaxation` tau = c_v/K_v [s].
+    exact for a displacement that changes linearly over the step. `stiffness` is K_v [kN/mm];
+    `relax` has the duration of the step.
     """
-    decay = math.exp(-dt / relaxation)
-    tangent = -math.expm1(-dt / relaxation) * stiffness * relaxation / dt
-    return plus(scaled(force, decay), scaled(dx, tangent)), tangent
+    tangent = stiffness * work.passed
+    return plus(scaled(force, work.kept), scaled(dx, tangent)), tangent
 
 
 @compiled
@@ -210,15 +221,14 @@ def _relaxation(constants: Constants, state: State) -> float:
 
 @compiled
 def _beside_rubber(
-    constants: Constants, state: State, new: State, x: Vector, dt: float
-) -> tuple[Vector, Vector, Matrix, float]:
-    """Forces of lead and of the viscous branch, their tangent, and what is recoverable."""
+    constants: Constants, work: Workspace, state: State, new: State, x: Vector, dt: float
+) -> tuple[Vector, Vector, Matrix]:
+    """Forces of lead and of the viscous branch, and their tangent."""
     lead, viscous = constants.lead, constants.viscous
     old, after = state.branches[0], new.branches[0]
     dx = minus(x, state.response[0].displacement)
     lead_force = zero(dx)
     tangent = no_slope(dx)
-    stored = 0.0
     after.lead_temperature = old.lead_temperature
     after.core_force = zero(dx)
     after.maxwell_force = zero(dx)
@@ -229,17 +239,29 @@ def _beside_rubber(
         after.core_force = core
         lead_force = scaled(core, lead.cores)
         tangent = plus(tangent, scaled(by_core, lead.cores))
-        stored += dot(scaled(core, 0.5 * lead.cores), core) / lead.stiffness
     if any_lane(viscous.stiffness > 0.0):
-        relaxation = _relaxation(constants, state)
-        f, slope = maxwell(viscous.stiffness, relaxation, old.maxwell_force, dx, dt)
+        relax(_relaxation(constants, state), dt, work.duration[0])
+        f, slope = maxwell(viscous.stiffness, work.duration[0], old.maxwell_force, dx)
         after.maxwell_force = f
         tangent = plus(tangent, isotropic(dx, slope))
-        stored += dot(scaled(f, 0.5), f) / viscous.stiffness
+    return lead_force, after.maxwell_force, tangent
+
+
+@compiled
+def _stored_beside_rubber(constants: Constants, new: State) -> float:
+    """Energy that lead and viscous branch would give back at the end of a step [kN mm]."""
     # If all work becomes heat at once, nothing is left to be recovered.
     if constants.heat_source != HEAT_FROM_DISSIPATION:
-        stored = 0.0
-    return lead_force, after.maxwell_force, tangent, stored
+        return 0.0
+    lead, viscous, after = constants.lead, constants.viscous, new.branches[0]
+    stored = 0.0
+    if any_lane(lead.cores > 0.0):
+        core = after.core_force
+        stored += 0.5 * lead.cores * dot(core, core) / lead.stiffness
+    if any_lane(viscous.stiffness > 0.0):
+        dashpot = after.maxwell_force
+        stored += 0.5 * dot(dashpot, dashpot) / viscous.stiffness
+    return stored
 
 
 @compiled
@@ -253,7 +275,7 @@ def _viscous_layer_heat(constants: Constants, state: State, new: State, dx: Vect
     heat = dot(scaled(plus(before, after), 0.5), dx)
     if constants.heat_source == HEAT_FROM_DISSIPATION:
         heat -= 0.5 * (dot(after, after) - dot(before, before)) / viscous.stiffness
-    return heat / constants.rubber.layer_count
+    return heat * constants.rubber.layer_share
 
 
 @compiled
@@ -270,10 +292,11 @@ def heat_step(
     cells, old, response = constants.cells, state.response[0], new.response[0]
     dx = minus(x, old.displacement)
     # The matrices depend on dt only.
-    if any_lane(work.factored_dt[0] != dt):
+    duration = work.duration[0]
+    if any_lane(duration.heat_dt != dt):
         factor(cells, constants.side_implicit, dt, work.cells)
         factor_ports(constants, work, dt)
-        work.factored_dt[0] = dt
+        duration.heat_dt, duration.sides = dt, has_side_loss(cells)
     for i in range(len(state.temperature)):
         work.cells.change[i] = 0.0
     released, recoverable = _add_layer_heat(
@@ -283,7 +306,7 @@ def heat_step(
         new.layers,
         scaled(plus(old.rubber_force, response.rubber_force), 0.5),
         _viscous_layer_heat(constants, state, new, dx),
-        over(x, constants.rubber.layer_count),
+        scaled(x, constants.rubber.layer_share),
         response.sharing_weight,
     )
     # Lead before conduction: what the cores pass to the plates is a source of the cells.
@@ -292,13 +315,18 @@ def heat_step(
         released += lead_step(constants, work, state, new, dx, dt, ambient)
         warmer = new.branches[0].lead_temperature - state.branches[0].lead_temperature
         lead_stored = constants.lead.cores * constants.lead.capacity * warmer
-    eliminate(cells, state.temperature, dt, ambient, work.cells)
-    stored, ends, sides = substitute(
-        cells, constants.side_implicit, state.temperature, dt, ambient, work.cells, new.temperature
+    stored, ends, sides = conduct(
+        cells,
+        constants.side_implicit,
+        any_lane(duration.sides != 0.0),
+        state.temperature,
+        dt,
+        ambient,
+        work.cells,
+        new.temperature,
     )
     response.heat_released = old.heat_released + released
-    # `move` has written the share of lead and dashpot.
-    response.recoverable += recoverable
+    response.recoverable = recoverable + _stored_beside_rubber(constants, new)
     response.heat_lost_ends = old.heat_lost_ends + ends
     response.heat_lost_sides = old.heat_lost_sides + sides
     response.heat_stored = old.heat_stored + stored + lead_stored
@@ -330,13 +358,13 @@ def move(
     """
     rubber = constants.rubber
     old, response = state.response[0], new.response[0]
-    rubber_force, tangent, mismatch, w, outcome = share(
+    rubber_force, tangent, w, outcome = share(
         rubber, constants.multiplicity, state, work.layers, old.displacement, x, new.layers
     )
     failed = has_failed(outcome)
     if all_lanes(failed):
         return rubber_force, tangent, outcome
-    lead_force, viscous_force, slope, stored = _beside_rubber(constants, state, new, x, dt)
+    lead_force, viscous_force, slope = _beside_rubber(constants, work, state, new, x, dt)
     force = plus(plus(rubber_force, lead_force), viscous_force)
     outcome = select(no(failed | math.isfinite(total(force))), NOT_FINITE, outcome)
     if all_lanes(has_failed(outcome)):
@@ -346,8 +374,6 @@ def move(
     response.rubber_force = rubber_force
     response.lead_force = lead_force
     response.viscous_force = viscous_force
-    response.recoverable = stored
-    response.layer_force_mismatch = mismatch
     response.sharing_weight = w
     return force, plus(tangent, slope), outcome
 
@@ -368,6 +394,9 @@ def settle(
             moved = minus(new.layers[j].d, state.layers[j].d)
             remember(constants.rubber, state, new, j, moved)
     x, force = response.displacement, response.force
+    response.layer_force_mismatch = largest_mismatch(
+        constants.rubber, work.layers, new.layers, response.rubber_force
+    )
     response.clock = old.clock + dt
     # Trapezoidal, as the heat of the layers: all carry one force, so that sum F dd_j = F dx and the
     # balance closes to rounding.

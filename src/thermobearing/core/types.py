@@ -214,6 +214,17 @@ class ModeWork:
     gain: float  # a (1 - exp(-dt/tau))
 
 
+class DurationWork:
+    """What depends on the duration of a step, kept while steps have the same."""
+
+    heat_dt: float  # of the factors of cells and ports [s]; 0: none yet
+    sides: float  # 1 if a cell loses heat through its side, else 0
+    viscous_dt: float  # duration and relaxation time of the next two [s]
+    relaxation: float
+    kept: float  # exp(-dt/tau)
+    passed: float  # (1 - exp(-dt/tau)) tau/dt
+
+
 class PortWork(NamedTuple):
     """The ways out of a core, all [P]."""
 
@@ -226,6 +237,7 @@ class Rubber(NamedTuple):
     """Numbers of ONE rubber layer, and how its equations are solved; scalars only."""
 
     layer_count: float  # rubber layers in the complete bearing, N
+    layer_share: float  # 1/N; products take less time than quotients
     elastic_stiffness: float  # alpha_0 K_r [kN/mm]
     hysteretic_stiffness: float  # (1 - alpha_0) K_r [kN/mm]
     elastic_exponent: float  # m_T / 100 [1/K]
@@ -234,6 +246,7 @@ class Rubber(NamedTuple):
     hardening: float  # b / t_r^2 [1/mm2]
     monotone: bool  # whether unloading is monotone (core/hardening.py)
     yield_displacement: float  # d_y [mm]
+    per_yield_displacement: float  # 1/d_y [1/mm]
     unloading_curvature: float  # beta - gamma = (1 - s) / ((1 + s) d_y^2) [1/mm2]
     integrator: int  # EXACT or EULER
     closed_loops: bool  # whether small loops close; the published law leaves them open
@@ -320,9 +333,9 @@ class State(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """Scratch arrays of one run, and the factors of the heat matrix for the last dt."""
+    """Scratch arrays of one run, and what lasts for the next steps of the same duration."""
 
-    factored_dt: Floats  # [1] dt that the factors belong to [s]; 0: none yet
+    duration: Rows[DurationWork]  # [1]
     layers: LayerWork
     cells: CellWork
     lead_ports: PortWork
@@ -396,7 +409,7 @@ def new_workspace(constants: Constants, components: int = 1) -> Workspace:
     layers, cells = len(constants.multiplicity), len(constants.cells.capacity)
     ports, vector_shapes = constants.lead_ports, vector_fields(LayerWork)
     return Workspace(
-        factored_dt=np.zeros(1),
+        duration=rows(DurationWork, 1),
         layers=LayerWork(
             *(
                 np.zeros((layers, *(vector_shapes.get(name, ()) if components > 1 else ())))

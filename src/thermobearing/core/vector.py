@@ -277,11 +277,6 @@ def _solve_square(a: Square, b: Pair) -> Pair:
 
 
 @compiled
-def _divide_square(a: Square, b: Square) -> Square:
-    return _product_square(_inverse_square(a, 1.0), b)
-
-
-@compiled
 def _along(a: float) -> float:
     return a
 
@@ -352,5 +347,4 @@ product = choice(_dot, None, _product_square)  # a matrix times a matrix
 inverse = choice(_inverse, None, _inverse_square)  # of a matrix, times a number
 transposed_times = choice(_dot, _transposed_times_pair, at=1)
 solve = choice(_solve, _solve_square, at=1)  # the inverse of a matrix times a vector
-divide = choice(_solve, None, _divide_square)  # the inverse of a matrix times a matrix
 lowest = choice(_lowest, None, _lowest_square)  # smallest eigenvalue of the symmetric part

@@ -243,7 +243,7 @@ function newWorkspace(constants) {
   const all = (/** @type {string} */ names, /** @type {number} */ n) =>
     Object.fromEntries(names.split(" ").map((name) => [name, room(n)]));
   return {
-    factored_dt: room(1),
+    duration: room(1),
     layers: all("elastic hysteretic force tangent trial direction slope flexibility", layers),
     cells: all("elimination pivot upper change", cells),
     lead_ports: { conductance: room(ports, ports), base: room(ports), flow: room(ports) },
@@ -349,19 +349,21 @@ export class Engine {
     const stack = this.stackOf(known, values, sizes);
     const law = Object.fromEntries(Object.entries(this.data.layer_law).map(([name, path]) => [name, values[path]]));
     law.scragging_strain = given.scragging_strain ?? 1;
-    const [elastic, hysteretic, m, n, hardening, unloading, scragging] = kernels.call("core.numbers.rubber_numbers", law);
+    const [elastic, hysteretic, m, n, hardening, perYield, unloading, scragging] = kernels.call("core.numbers.rubber_numbers", law);
     const before = known.constants;
     const constants = {
       ...before,
       rubber: {
         ...before.rubber,
         layer_count: values["geometry.rubber_layers"],
+        layer_share: 1 / values["geometry.rubber_layers"],
         elastic_stiffness: elastic,
         hysteretic_stiffness: hysteretic,
         elastic_exponent: m,
         hysteretic_exponent: n,
         hardening,
         yield_displacement: values["hysteresis.yield_displacement"],
+        per_yield_displacement: perYield,
         unloading_curvature: unloading,
         scragging_displacement: scragging,
       },

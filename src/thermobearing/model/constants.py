@@ -344,9 +344,10 @@ def _rubber(bearing: Bearing, integrator: int, monotone: bool, closed_loops: boo
         hysteretic_temperature_coefficient=h.hysteretic_temperature_coefficient,
         scragging_strain=virgin.strain,
     )
-    elastic, hysteretic, m, n, hardening, unloading, scragging = rubber_numbers(law)
+    elastic, hysteretic, m, n, hardening, per_yield, unloading, scragging = rubber_numbers(law)
     return Rubber(
         layer_count=float(bearing.geometry.rubber_layers),
+        layer_share=1.0 / bearing.geometry.rubber_layers,
         elastic_stiffness=elastic,
         hysteretic_stiffness=hysteretic,
         elastic_exponent=m,
@@ -355,6 +356,7 @@ def _rubber(bearing: Bearing, integrator: int, monotone: bool, closed_loops: boo
         hardening=hardening,
         monotone=monotone,
         yield_displacement=h.yield_displacement,
+        per_yield_displacement=per_yield,
         unloading_curvature=unloading,
         integrator=integrator,
         closed_loops=closed_loops,

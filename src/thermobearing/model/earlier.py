@@ -191,6 +191,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
     """Return a chain of `count` linear layers whose stiffness is K_2 [kN/mm]."""
     return Rubber(
         layer_count=count,
+        layer_share=1.0 / count,
         elastic_stiffness=count * parameters.post_yield,
         hysteretic_stiffness=0.0,
         elastic_exponent=0.0,
@@ -199,6 +200,7 @@ def _backbone_rubber(count: float, parameters: BilinearParameters) -> Rubber:
         hardening=0.0,
         monotone=False,
         yield_displacement=1.0,
+        per_yield_displacement=1.0,
         unloading_curvature=0.0,
         integrator=EXACT,
         closed_loops=False,

@@ -38,9 +38,9 @@ def _unloading_stiffness(hinge: Hinge, farthest: float) -> float:
     """K_0 (theta_y/theta_max)^exponent [kN mm/rad], never softer than the secant: unloading
     further than the origin would leave the rules.
     """
-    ratio = hinge.yield_rotation / farthest
-    degraded: float = hinge.initial * ratio**hinge.unloading
-    return max(degraded, backbone(hinge, farthest) / farthest)
+    per = 1.0 / farthest
+    degraded: float = hinge.initial * (hinge.yield_rotation * per) ** hinge.unloading
+    return max(degraded, backbone(hinge, farthest) * per)
 
 
 @compiled
