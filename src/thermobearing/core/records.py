@@ -78,6 +78,7 @@ class Label(NamedTuple):
     meaning: str
 
 
+@cache
 def vector_fields(record: Any) -> dict[str, tuple[int, ...]]:
     """Return the fields of a record that are vectors or matrices, and their shape in a plane."""
     hints = get_type_hints(record, include_extras=True)

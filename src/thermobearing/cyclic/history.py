@@ -22,6 +22,7 @@ from thermobearing.core.types import (
     Kept,
     Path,
     State,
+    Workspace,
     new_state,
     new_workspace,
 )
@@ -275,6 +276,8 @@ def cut_rests(
     Returns the segment, which of its pieces are kept, and the piece that each step ends with.
     """
     longest = longest_rest_step(constants)
+    if longest == np.inf:
+        return segment, keep, np.arange(len(segment.x))
     start_positions = np.concatenate([np.reshape(start, (1, *segment.x.shape[1:])), segment.x[:-1]])
     still = (segment.x == start_positions).reshape(len(start_positions), -1).all(axis=1)
     pieces = np.where(still, np.maximum(1.0, np.ceil(segment.dt / longest)), 1.0).astype(np.int64)
@@ -323,9 +326,16 @@ def run_segments(
     keep = plain(keep_row, run.state)
     keep(constants, run.state, run.rows, 0)
     run.kept = 1
+    # Scratch serves all segments: with many short ones, making it takes as long as their steps.
+    components = count_components(run.state)
+    work = new_workspace(constants, components)
+    scratch = work, new_state(constants, run.initial, components=components)
     try:
         for number, segment in enumerate(segments):
-            if not _run_segment(constants, run, number, segment, ambient, keep_every, progress):
+            keep_steps = _kept_steps(segment, keep_every)
+            if not _run_segment(
+                constants, run, scratch, number, segment, ambient, keep_steps, progress
+            ):
                 break
     except KeyboardInterrupt:
         run.outcome = INTERRUPTED
@@ -359,17 +369,15 @@ def rest_in(
 def _run_segment(
     constants: Constants,
     run: History,
+    scratch: tuple[Workspace, State],
     number: int,
     segment: Segment,
     ambient: Ambient,
-    keep_every: int,
+    keep: NDArray[np.bool_],
     progress: Progress | None,
 ) -> bool:
-    components = count_components(run.state)
-    work = new_workspace(constants, components)
-    spare = new_state(constants, run.initial, components=components)
-    run_path = march if components == 1 else march_plane
-    keep = _kept_steps(segment, keep_every)
+    work, spare = scratch
+    run_path = march if count_components(run.state) == 1 else march_plane
     segment, keep, ends = cut_rests(constants, segment, keep, run.state.response["displacement"][0])
     for first in range(0, len(segment.x), CHUNK):
         part = slice(first, first + CHUNK)
