@@ -71,6 +71,10 @@ class Tally:
     """What was counted, by part, in the part that runs now."""
 
     def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget what was counted, and count for the structure."""
         self.parts = {part: Work() for part in (STRUCTURE_PART, *PARTS.values())}
         self.work = self.parts[STRUCTURE_PART]
 
@@ -223,7 +227,7 @@ def count(bearing_name: str) -> dict[str, Work]:
 
     def march(*arguments: Any) -> tuple[int, int, int]:
         counted = counting(arguments, {})
-        TALLY.__init__()  # type: ignore[misc]  # from the first step on
+        TALLY.clear()
         result: tuple[int, int, int] = newmark.peaks_march.py_func(*counted)
         return result
 

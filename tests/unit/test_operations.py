@@ -1,6 +1,7 @@
 """Operations of a step, counted in plain Python: the same on every machine."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,8 +13,9 @@ from thermobearing.core.types import Layer
 from thermobearing.structure.newmark import peaks_march
 
 
-def counted(calculate) -> Work:
-    TALLY.__init__()
+def counted(calculate: Callable[[], object]) -> Work:
+    """What a calculation takes."""
+    TALLY.clear()
     calculate()
     return TALLY.work
 
