@@ -80,6 +80,10 @@ def test_maxwell_branch_by_hand() -> None:
     force, tangent = maxwell(2.0, duration, 7.0, 3.0)
     assert_allclose(tangent, 2.0 * 0.5 / 0.1 * (1.0 - decay))
     assert_allclose(force, 7.0 * decay + 3.0 * tangent)
+    # Another duration, another relaxation time.
+    for relaxation, dt in ((0.5, 0.2), (0.4, 0.2)):
+        relax(relaxation, dt, duration)
+        assert_allclose(maxwell(2.0, duration, 7.0, 0.0)[0], 7.0 * math.exp(-dt / relaxation))
 
 
 @pytest.mark.parametrize("w", [0.0, 0.4, 1.0])
