@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.quick import quick_cases
@@ -281,4 +282,8 @@ def test_steps_far_below_usual_ones_find_their_equilibrium() -> None:
     usual, short = (
         tb.bridge(motion=motion, bearing="shen-hdr-bridge", ambient=-20, dt=dt)
         for dt in (1e-3, 1e-5)
+    )
+    assert short.outcome == "completed"
+    assert short.dataset.bearing_strain_max.item() == pytest.approx(
+        usual.dataset.bearing_strain_max.item(), rel=1e-3
     )
