@@ -14,7 +14,7 @@ from typing import Annotated
 import typer
 
 import thermobearing
-from thermobearing.border.threads import one_blas_thread
+from thermobearing.border.threads import one_blas_thread, reserve_blas
 from thermobearing.commands import (  # noqa: F401 (each adds its commands)
     cyclic,
     design,
@@ -57,6 +57,10 @@ def main() -> None:
     warnings.formatwarning = lambda message, *_: f"thermobearing: warning: {message}\n"
     os.environ.pop("MPLBACKEND", None)  # all is drawn without a window; a wrong one ends imports
     try:
+        lack = reserve_blas()
+        if lack:
+            typer.echo(f"thermobearing: {lack}", err=True)
+            sys.exit(BAD_INPUT)
         epoch = os.environ.get("SOURCE_DATE_EPOCH", "0")
         if not (epoch.isascii() and epoch.isdecimal()):
             typer.echo(

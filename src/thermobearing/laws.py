@@ -550,9 +550,17 @@ def _moved(
 def _numbers(function: Any, arguments: tuple[float, ...], count: int, where: str) -> Floats:
     """Return what the function of a law returns, whatever may fail in it."""
     try:
-        numbers = np.array(function(*arguments), dtype=float)
+        value = function(*arguments)
+        if inspect.iscoroutine(value):
+            value.close()
+            value = None  # nobody waits for it
+        numbers = np.array(value, dtype=float)
     except Exception as error:
         raise InputError(f"{where}: {_failure(error)}") from None
+    if value is None:
+        raise InputError(
+            f"{where}: must return {count} numbers, not None; a law is no async function"
+        )
     if numbers.shape != (count,):
         raise InputError(f"{where}: must return {count} numbers")
     return numbers

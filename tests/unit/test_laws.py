@@ -116,6 +116,10 @@ def no_default(temperature: float, slope: float) -> tuple[float, float]:
     return 1.0, slope * temperature
 
 
+async def waits(temperature: float) -> tuple[float, float]:
+    return 1.0, 1.0
+
+
 @pytest.mark.parametrize(
     ("function", "more", "pieces"),
     [
@@ -123,6 +127,8 @@ def no_default(temperature: float, slope: float) -> tuple[float, float]:
         (lambda t: (1.0 if t > 3.37 else 2.0, 1.0), {}, ["abruptly, at 3.37 degC"]),
         (lambda t: (1.0, 1.0 if t >= -20.0 else 1.001), {}, ["abruptly, at -20 degC"]),
         (lambda t: 1.0, {}, ["at -60 degC", "must return 2 numbers"]),
+        (waits, {}, ["at -60 degC", "2 numbers", "async"]),
+        (lambda t: waits(t + 1.0), {}, ["at -60 degC", "2 numbers", "async"]),
         (lambda t: (1.0, math.nan), {}, ["nan"]),
         (lambda t: (1.0, math.sqrt(t)), {}, ["at -60 degC", "ValueError"]),
         (lambda t: (1.0, 1.5 + math.sin(100.0 * t)), {}, ["-59.63 degC", "1000 pieces"]),

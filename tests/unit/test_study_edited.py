@@ -9,9 +9,11 @@ import pandas as pd
 import pytest
 
 import thermobearing as tb
+import thermobearing.studies.store
 from tests.unit import inputs
 from tests.unit.studies import kept, small_study
 from thermobearing.motions.library import load_motion, save_motion
+from thermobearing.results.directory import check_seal
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.run.engine import repeat_run, run_study, study_status
@@ -89,18 +91,52 @@ def test_members_that_were_changed(
 ) -> None:
     """They are named; a resumed study writes them again, to the same bytes."""
     change(copy / name)
-    inputs.assert_refused(lambda: tb.load_result(copy), name, RESUME)
+    read = (lambda: repeat(copy, 4)) if "histories" in name else (lambda: tb.load_result(copy))
+    inputs.assert_refused(read, name, RESUME)
     run_study(small_study({"duration": "0.1 s"}, keep="all"), copy, jobs=1, resume=True)
     assert kept(copy) == kept(with_histories)
     assert tb.load_result(copy).runs == 8
 
 
-def test_commands_name_what_was_changed(copy: Path) -> None:
-    flipped(copy / "histories" / "00000.nc")
-    for words in (("worst",), ("table", "-o", str(copy.parent / "t.csv"))):
-        done = inputs.command("study", words[0], copy, *words[1:])
-        assert done.exit_code == 2
-        assert "histories/00000.nc" in done.stderr
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("shards/00000.parquet", ["worst"]),
+        ("shards/00000.parquet", ["table"]),
+        ("histories/00000.nc", ["repeat", "3"]),
+    ],
+)
+def test_commands_name_what_was_changed(copy: Path, name: str, words: list[str]) -> None:
+    flipped(copy / name)
+    file = copy.parent / ("out" if words[0] == "repeat" else "t.csv")
+    output = () if words[0] == "worst" else ("-o", file)
+    done = inputs.command("study", words[0], copy, *words[1:], *output)
+    assert done.exit_code == 2
+    assert name in done.stderr
+
+
+def test_histories_are_read_only_where_they_are_asked_for(
+    copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Runs 0 to 3 are in the first file, 4 to 7 in the second."""
+    flipped(copy / "histories" / "00001.nc")
+    checked: list[str] = []
+
+    def check(path: Path) -> None:
+        checked.append(path.name)
+        check_seal(path)
+
+    monkeypatch.setattr(thermobearing.studies.store, "check_seal", check)
+    assert tb.load_result(copy).runs == 8
+    assert not checked
+    assert repeat(copy, 3).runs == 1
+    assert checked == ["00000.nc"]
+    inputs.assert_refused(lambda: repeat(copy, 4), "histories/00001.nc")
+
+
+def repeat(directory: Path, run: int) -> tb.EarthquakeResult:
+    store = Store(directory)
+    return repeat_run(store.study(), run, store)
 
 
 def test_a_run_with_another_motion_is_not_repeated(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Ground accelerations, evenly sampled, with checks of time step, unit and amplitude."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -160,7 +161,7 @@ def parse_acceleration(text: str) -> float:
     return float(number) * acceleration_unit(unit)
 
 
-def even_step(time: Floats, lines: list[int], row_name: str = "line") -> float:
+def even_step(time: Floats, lines: Sequence[int], row_name: str = "line") -> float:
     """Return the time step of evenly spaced times [s]; a gap or an uneven step is an error.
 
     `lines` numbers the times, as lines of a file or samples of an array (`row_name`).
@@ -191,6 +192,15 @@ def even_step(time: Floats, lines: list[int], row_name: str = "line") -> float:
     return round(dt, 9)
 
 
+def refuse_many(count: int, what: str = "samples") -> None:
+    """Raise InputError if a motion has more than MOST_SAMPLES samples."""
+    if count > MOST_SAMPLES:
+        raise InputError(
+            f"has {count} {what}; at most {MOST_SAMPLES} samples can be used: keep the strong part "
+            "of the motion, or every second sample after a low-pass filter"
+        )
+
+
 def checked_motion(
     values: Floats,
     unit: str,
@@ -208,11 +218,9 @@ def checked_motion(
     `values` are in `unit`; `stated_dt` is the time step of the file or of the times,
     `requested_dt` that of the caller [s].
     """
-    if not SHORTEST <= len(values) <= MOST_SAMPLES:
-        limit = f"at least {SHORTEST} are needed"
-        if len(values) > SHORTEST:
-            limit = f"at most {MOST_SAMPLES} can be used"
-        raise InputError(f"has {len(values)} samples; {limit}")
+    if len(values) < SHORTEST:
+        raise InputError(f"has {len(values)} samples; at least {SHORTEST} are needed")
+    refuse_many(len(values))
     if requested_dt is not None and not (np.isfinite(requested_dt) and requested_dt > 0.0):
         raise InputError(f"dt = {requested_dt:g} s: must be > 0")
     dt = requested_dt if stated_dt is None else stated_dt

@@ -227,6 +227,11 @@ def _shard_size(runs: int, lockstep: bool = False) -> int:
     return min(-(-max(1, share) // FEWEST) * FEWEST, MOST)
 
 
+def _history_file(shard: int) -> str:
+    """Return the name of the file with the histories of a shard."""
+    return f"{shard:05d}.nc"
+
+
 class Store:
     """The directory of a study, with the content of manifest.json."""
 
@@ -282,7 +287,11 @@ class Store:
         return slice(shard * size, min((shard + 1) * size, self.runs))
 
     def checked_shards(self) -> list[int]:
-        """Return all complete shards; InputError for files that are not as they were written."""
+        """Return all complete shards; InputError for files that are not as they were written.
+
+        Histories, which may be gigabytes and concern no table, are not read: `check_history` reads
+        those of a run, and a resumed study all.
+        """
         done = self.done()
         names = [
             f"{SHARDS}/{self._file(shard).name}"
@@ -292,7 +301,17 @@ class Store:
         notes = _read_notes(self.directory / PLAN)
         if self.manifest["format"] > 1 and notes != ({"input": self.manifest["input"]}, self.runs):
             names.append(PLAN)
-        names += [f"{HISTORIES_FOLDER}/{path.name}" for path in self._changed_histories()]
+        self._refuse_changed(names)
+        return done
+
+    def check_history(self, run: int) -> None:
+        """Reject the file with the kept history of a run if it is not as it was written."""
+        file = _history_file(run // int(self.manifest["shard_size"]))
+        self._refuse_changed(
+            [f"{HISTORIES_FOLDER}/{path.name}" for path in self._changed_histories(file)]
+        )
+
+    def _refuse_changed(self, names: Sequence[str]) -> None:
         if names:
             raise InputError(
                 [
@@ -302,13 +321,12 @@ class Store:
                 ],
                 str(self.directory),
             )
-        return done
 
-    def _changed_histories(self) -> list[Path]:
+    def _changed_histories(self, pattern: str = "[!.]*.nc") -> list[Path]:
         """Return the files of histories that are not as they were written."""
         changed: list[Path] = []
         folder = self.directory / HISTORIES_FOLDER
-        for path in sorted(folder.glob("[!.]*.nc")) if self.manifest["format"] > 2 else []:
+        for path in sorted(folder.glob(pattern)) if self.manifest["format"] > 2 else []:
             try:
                 check_seal(path)
             except InputError:
@@ -344,7 +362,7 @@ class Store:
     def write(self, shard: int, result: ShardResult) -> None:
         """Write the results of a shard; its table comes last and marks it as complete."""
         if result.histories:
-            self.write_histories(f"{shard:05d}.nc", result.histories)
+            self.write_histories(_history_file(shard), result.histories)
         labels = _read_labels(self.directory / PLAN) | {
             name: _label(name) for name in (*RESULT_COLUMNS, *AXIAL_COLUMNS) if name in result.table
         }

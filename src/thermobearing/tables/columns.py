@@ -25,6 +25,7 @@ from thermobearing.border.toml import read_toml
 from thermobearing.border.units import HUGEST, conversion
 from thermobearing.core.records import Floats
 from thermobearing.tables.text import (
+    LARGEST_SHEET,
     LONGEST_NUMBER,
     Form,
     Row,
@@ -217,6 +218,36 @@ class Table(NamedTuple):
             except InputError as error:
                 raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
         return values * scale + offset
+
+
+def even_table(lines: list[str], sheet: Sheet) -> Floats | None:
+    r"""Return lines as a table of numbers, read in C; `sheet` is of the first lines of their file.
+
+    None where a line differs from the first in any way that concerns reading (its number of cells,
+    blank, a comment, a cell that only `read_number` reads or refuses): these are read in Python.
+
+    >>> from thermobearing.tables.text import sheet_of_text
+    >>> sheet = sheet_of_text("t;a\n0;5\n1;25\n")
+    >>> even_table(["0;5", "1;2.5"], sheet)
+    array([[0. , 5. ],
+           [1. , 2.5]])
+    >>> even_table(["0;5", "1;2,5"], sheet) is None
+    True
+    """
+    if sheet.decimal != "." or not all(map(str.isascii, lines)):
+        return None
+    # The blank separates cells in Python, but any white space in C.
+    if sheet.separator == " " and any("\t" in line for line in lines):
+        return None
+    separator = None if sheet.separator == " " else sheet.separator
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            table = np.loadtxt(lines, delimiter=separator, comments=None, ndmin=2)
+    except (ValueError, UserWarning):
+        return None
+    is_even = len(table) == len(lines) and table.size <= LARGEST_SHEET
+    return table if is_even and bool((np.abs(table) <= HUGEST).all()) else None
 
 
 def read_number(text: str, limit: float = HUGEST) -> float:

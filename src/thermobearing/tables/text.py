@@ -10,6 +10,7 @@ import io
 import re
 import zipfile
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any, Literal, NamedTuple
 
@@ -240,7 +241,8 @@ def _split(lines: list[str], separator: str, *, strict: bool, quotes: bool = Tru
 
 def _separator(lines: list[str]) -> str:
     """Return the separator by which most of what is in the cells are numbers."""
-    sample = [line for line in lines if line.strip() and not _is_comment(line)][:SEPARATOR_ROWS]
+    filled = (line for line in lines if line.strip() and not _is_comment(line))
+    sample = list(islice(filled, SEPARATOR_ROWS))
     best_score, best_separator = (0, 0.0, 0), ","
     for separator in SEPARATORS:
         try:

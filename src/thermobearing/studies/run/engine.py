@@ -472,7 +472,7 @@ def repeat_run(study: Study, run: int, store: Store | None = None) -> Earthquake
 
     With weather the bearing has the initial temperatures of the study; the case of the result
     has the ambient temperature of that hour only. A `store` whose study has other runs, since a
-    file that it refers to was changed, is refused.
+    file that it refers to was changed, or whose kept history of the run was, is refused.
     """
     plan = Plan(study)
     runs = plan.runs
@@ -480,6 +480,8 @@ def repeat_run(study: Study, run: int, store: Store | None = None) -> Earthquake
         store.check_runs(study, runs)
     if not 0 <= run < len(runs):
         raise InputError(f"no run {run}; {study.name} has runs 0 to {len(runs) - 1}")
+    if store is not None:
+        store.check_history(run)
     row = runs.iloc[[run]].to_dict("records")[0]
     task = Preparer(plan).make_task({str(key): value for key, value in row.items()})
     history = run_task(task)
