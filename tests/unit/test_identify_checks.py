@@ -12,13 +12,16 @@ from numpy.testing import assert_allclose
 import thermobearing as tb
 from tests import tolerances as tol
 from thermobearing.border.errors import InputError
+from thermobearing.border.library import data_path
+from thermobearing.border.toml import read_toml
 from thermobearing.identify.case import make_identify_case
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.fit.synthetic import synthetic_record
-from thermobearing.identify.records import treatment
+from thermobearing.identify.records import checks, treatment
 from thermobearing.identify.records.checks import CheckReport, check_test
 from thermobearing.identify.records.cycles import estimate_noise
 from thermobearing.identify.records.figures import draw_record
+from thermobearing.identify.records.limits import CheckLimits, check_limits
 from thermobearing.identify.records.record import (
     ASSUMED_AMBIENT,
     TestRecord,
@@ -603,3 +606,16 @@ def test_the_removal_of_a_drift_that_few_cycles_determine_is_a_warning() -> None
     assert measured.error > treatment.UNSURE * measured.total
     assert ("warning", "drift") in found(report)
     assert report.treatment.summary()["drift_error"]["force_kN"] == measured.error
+
+
+def test_limits_are_those_of_the_data_file(
+    good: TestRecord, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file with another number of samples changes the finding; each limit states its reason."""
+    table = read_toml(data_path("identify", "checks.toml"))
+    assert set(table) == set(CheckLimits.model_fields)
+    assert all(entry["source"] and entry["note"] for entry in table.values())
+    assert not said(check_test(good), "warning", "sampling")
+    many = check_limits().model_copy(update={"few_samples": 100_000})
+    monkeypatch.setattr(checks, "check_limits", lambda: many)
+    assert "100000 or more" in said(check_test(good), "warning", "sampling")

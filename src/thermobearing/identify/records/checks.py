@@ -14,6 +14,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.text_file import file_names
+from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.conditioning import (
     chamber_numbers,
@@ -30,6 +31,7 @@ from thermobearing.identify.records.cycles import (
     measure_zeros,
     split_runs,
 )
+from thermobearing.identify.records.limits import check_limits
 from thermobearing.identify.records.record import ASSUMED_AMBIENT, PAUSE, TestRecord, load_test
 from thermobearing.identify.records.treatment import (
     SURE,
@@ -51,10 +53,7 @@ from thermobearing.results.writing import write_summary
 from thermobearing.tables.conditioning import Conditioning
 from thermobearing.tables.guess import initial_temperature
 
-SOFTEST, STIFFEST = 0.2, 12.0  # equivalent shear modulus of bearings, cold ones too [MPa]
-LARGEST_STRAIN, SMALLEST_STRAIN = 4.0, 0.05
-OTHER_RUBBER = 0.02  # of the total rubber thickness: how far that of the file may be from it
-TONF = 9.80665
+TONF = conversion("tonf", "kN")[0]
 SLIPS = (  # factors on force and displacement that would correct a mistake, and the mistake
     (TONF, 1.0, "force in tonf labelled kN"),
     (1.0 / TONF, 1.0, "force in kN labelled tonf"),
@@ -63,31 +62,10 @@ SLIPS = (  # factors on force and displacement that would correct a mistake, and
     (1.0, 10.0, "displacement in cm labelled mm"),
     (1.0, 0.1, "displacement in mm labelled cm"),
 )
-FEW_SAMPLES, FEWEST_SAMPLES = 40, 12  # in a cycle: warned, refused
-GAP_FACTOR = 5.0  # a sampling gap longer than this times the usual one, while moving
-GAP_WAY = 0.05  # of the largest displacement, covered without a sample
-OFFSET = 0.03  # of the largest force or displacement, however few the cycles are
-SLIGHT, FEWEST_ZEROS = 0.005, 4  # the same where so many legs agree on it (SURE)
-LEANING = 0.02  # of the peak: as far the middle of a first loop is from its zero
-ENDS_AWAY = 0.1  # of the largest displacement
 NOT_NEEDED = ("cycles", "sampling")  # checks of a calibration that any history may fail
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
-CLIPPED_RUN = 4  # samples in a row at exactly the extreme force ...
-CLIPPED_WAY = 0.02  # ... while the bearing moves this part of the largest displacement
-SLOWEST, FASTEST = 0.1, 2000.0  # mean speed [mm/s]
-SLOW, SPARSE = 1.0, 2.0  # [mm/s] and [s]: a test as slow, with samples as rare, may be in ms
 MILLI = 1e3  # seconds labelled ms, or milliseconds labelled s
-REPEATED = 50  # samples in a row with displacements and forces of earlier rows
-UNDAMPED = 0.005  # equivalent damping that no rubber is below
-LEVEL_PART, LEVEL_RISE = 0.3, 0.1  # of an amplitude; of the rise of the force in the part before
-FEWEST_OF_PART = 4  # samples of such a part, for its slope
-FASTEST_RATE = 10.0  # mean strain rate of any test [1/s]
-GENERATED = 0.01  # equivalent damping that the noise of a loop may hide, or turn negative
-JUMP, MANY_STEPS = 0.2, 10.0  # of the largest displacement, and times the fast steps of the record
-LOWEST_KELVIN = 180.0  # of a specimen [K]; no test starts as warm in degC
-ZERO_DEGC = 273.15  # [K]
-LIKE_KELVIN = 30.0  # a thermocouple starts as close to the ambient temperature, if in kelvin [K]
-COLDEST, HOTTEST = -80.0, 250.0  # thermocouples [degC]
+ZERO_DEGC = -conversion("K", "degC")[1]  # [K]
 
 
 @dataclass(frozen=True)
@@ -285,12 +263,13 @@ def _check_sign(record: TestRecord, cycles: list[Cycle]) -> Iterator[Finding]:
 
 def _check_repeats(record: TestRecord) -> Iterator[Finding]:
     """Yield rows that are in the file twice, and blocks that begin far from the end of the last."""
+    limits = check_limits()
     x, peak = record.displacement, record.peak_displacement
     # A copied row is as far from its original as the row before it is. Noise repeats itself never.
     _, first, inverse = np.unique(x + 1j * record.force, return_index=True, return_inverse=True)
     distance = np.arange(len(x)) - first[inverse]
     for a, b in split_runs((np.diff(distance) == 0) & (distance[1:] > 0)):
-        if b - a + 2 >= REPEATED and np.ptp(x[a : b + 2]) > CLIPPED_WAY * peak:
+        if b - a + 2 >= limits.repeated and np.ptp(x[a : b + 2]) > limits.clipped_way * peak:
             begin = int(first[inverse[a]])
             yield warn(
                 "rows",
@@ -299,7 +278,7 @@ def _check_repeats(record: TestRecord) -> Iterator[Finding]:
             )
             break
     ends = np.flatnonzero(np.diff(record.block))
-    away = ends[np.abs(x[ends + 1] - x[ends]) > JUMP * peak]
+    away = ends[np.abs(x[ends + 1] - x[ends]) > limits.jump * peak]
     if len(away):
         k = int(away[0])
         yield warn(
@@ -312,11 +291,12 @@ def _check_repeats(record: TestRecord) -> Iterator[Finding]:
 
 def _check_loops(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield a refusal if a cycle generates energy, or the displacement jumps: rows out of order."""
+    limits = check_limits()
     steps = np.abs(np.diff(record.displacement))
     moving = steps[steps > 1e-4 * record.peak_displacement]
     fast = float(np.quantile(moving, 0.9)) if len(moving) else 0.0
-    usual_gap = np.diff(record.time) <= GAP_FACTOR * float(np.median(np.diff(record.time)))
-    smallest_jump = max(JUMP * record.peak_displacement, MANY_STEPS * fast)
+    usual_gap = np.diff(record.time) <= limits.gap_factor * float(np.median(np.diff(record.time)))
+    smallest_jump = max(limits.jump * record.peak_displacement, limits.many_steps * fast)
     # A long step over a gap in time, or from one block to the next, is no jump.
     jumps = np.flatnonzero((steps > smallest_jump) & usual_gap & (np.diff(record.block) == 0))
     if len(jumps):
@@ -333,7 +313,7 @@ def _check_loops(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
         x, force = record.displacement[rows], record.force[rows]
         # Equivalent damping (Eq. 3.2) of the range of the force, which noise hardly changes.
         damping = 2.0 * loop_energy(x, force) / (np.pi * float(np.ptp(force) * np.ptp(x)))
-        if damping < -GENERATED:
+        if damping < -limits.generated:
             yield refuse(
                 "energy",
                 f"full cycle {place} generates energy (h_eq = {damping:.3f}), which no bearing "
@@ -341,7 +321,7 @@ def _check_loops(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
             )
             return
         largest = max(largest, damping)
-    if full and largest < UNDAMPED:
+    if full and largest < limits.undamped:
         yield warn(
             "energy",
             f"the loops dissipate almost no energy (h_eq = {largest:.4f}), less than any rubber: "
@@ -358,24 +338,27 @@ def _mean_speed(record: TestRecord) -> float:
 
 def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield gaps while the bearing moves, implausible speeds, cycles of few samples."""
+    limits = check_limits()
     gaps, steps = np.diff(record.time), np.abs(np.diff(record.displacement))
     moving = steps > 1e-4 * record.peak_displacement
     usual_gap = float(np.median(gaps[moving])) if moving.any() else float(np.median(gaps))
     same_block = np.diff(record.block) == 0
     has_gap = (
-        (gaps > GAP_FACTOR * usual_gap) & (steps > GAP_WAY * record.peak_displacement) & same_block
+        (gaps > limits.gap_factor * usual_gap)
+        & (steps > limits.gap_way * record.peak_displacement)
+        & same_block
     )
     for k in np.flatnonzero(has_gap)[:3]:
         message = f"samples are missing from {record.time[k]:.4g} to {record.time[k + 1]:.4g} s, "
         yield warn("sampling", f"{message}while the bearing moved {steps[k]:.2g} mm")
     speed = _mean_speed(record)
     # A slow test may be one in ms labelled s; only rare samples make that likely.
-    sparse = usual_gap >= SPARSE and speed < SLOW
-    if sparse or not SLOWEST <= speed <= FASTEST:
+    sparse = usual_gap >= limits.sparse and speed < limits.slow
+    if sparse or not limits.slowest <= speed <= limits.fastest:
         message = f"the mean speed is {speed:.3g} mm/s"
-        if speed < SLOW and SLOWEST <= MILLI * speed <= FASTEST:
+        if speed < limits.slow and limits.slowest <= MILLI * speed <= limits.fastest:
             message += f": is time in ms labelled s ({MILLI * speed:.3g} mm/s)?"
-        elif SLOWEST <= speed / MILLI <= FASTEST:
+        elif limits.slowest <= speed / MILLI <= limits.fastest:
             message += f": is time in s labelled ms ({speed / MILLI:.3g} mm/s)?"
         else:
             message += ": check the units of time and displacement"
@@ -387,14 +370,17 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
         f"{len(record.time)} samples, usually {1e3 * usual_gap:.3g} ms apart, mean speed "
         f"{speed:.2g} mm/s{pauses}",
     )
-    fewest = min((c.last - c.first for c in full), default=FEW_SAMPLES)
-    if fewest < FEW_SAMPLES:
-        message = f"a cycle has only {fewest} samples; {FEW_SAMPLES} or more give accurate loops"
-        yield (refuse if fewest < FEWEST_SAMPLES else warn)("sampling", message)
+    fewest = min((c.last - c.first for c in full), default=limits.few_samples)
+    if fewest < limits.few_samples:
+        message = (
+            f"a cycle has only {fewest} samples; {limits.few_samples} or more give accurate loops"
+        )
+        yield (refuse if fewest < limits.fewest_samples else warn)("sampling", message)
 
 
 def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     """Yield the number of full cycles, and a record that does not begin and end at zero."""
+    limits = check_limits()
     if not full:
         message = (
             "no full cycle (zero, one side, other side, zero) was found: a calibration needs "
@@ -412,7 +398,7 @@ def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
     amplitudes = counted(levels, "amplitude")
     yield note("cycles", f"{counted(len(full), 'full cycle')} at {amplitudes} in a row")
     first, last = record.displacement[0], record.displacement[-1]
-    limit = ENDS_AWAY * record.peak_displacement
+    limit = limits.ends_away * record.peak_displacement
     if abs(last) > limit:
         message = f"the record ends at {last:.3g} mm, in the middle of a cycle: is it truncated?"
         yield warn("end", message)
@@ -423,6 +409,7 @@ def _check_cycles(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
 
 def _measure_offsets(record: TestRecord, cycles: list[Cycle]) -> list[Offset]:
     """Return the zeros of force and displacement, of a record that has full cycles."""
+    limits = check_limits()
     offsets = []
     for name, peak in ("force", record.peak_force), ("displacement", record.peak_displacement):
         zeros = measure_zeros(record, name, cycles).values
@@ -431,16 +418,18 @@ def _measure_offsets(record: TestRecord, cycles: list[Cycle]) -> list[Offset]:
         values = getattr(record, name)
         offset, middle = (float(np.median(v)) for v in (zeros, loop_middles(values, cycles)))
         # One loop of several that is far off moves the median of the middles less.
-        offset = offset if abs(offset - middle) < LEANING * peak else middle
+        offset = offset if abs(offset - middle) < limits.leaning * peak else middle
         offset = offset if abs(offset) > NONE * peak else 0.0
         error = float(zeros.std()) / np.sqrt(len(zeros))
         # A small offset counts only if many legs agree on it by several standard errors.
-        certain = len(zeros) >= FEWEST_ZEROS and abs(offset) > max(SURE * error, SLIGHT * peak)
+        certain = len(zeros) >= limits.fewest_zeros and abs(offset) > max(
+            SURE * error, limits.slight_offset * peak
+        )
         smallest_peak, middle = _smallest_loops(values, cycles)
         # A small offset of the peak may be a large part of the smallest cycles: then both must
         # agree.
-        in_small = min(abs(offset), middle * float(np.sign(offset))) > OFFSET * smallest_peak
-        warned = bool(abs(offset) > OFFSET * peak or certain or in_small)
+        in_small = min(abs(offset), middle * float(np.sign(offset))) > limits.offset * smallest_peak
+        warned = bool(abs(offset) > limits.offset * peak or certain or in_small)
         offsets.append(Offset(name, offset, peak, smallest_peak, warned))
     return offsets
 
@@ -497,12 +486,16 @@ def _smallest_loops(values: Floats, cycles: list[Cycle]) -> tuple[float, float]:
 
 def _find_clipped(record: TestRecord) -> NDArray[np.bool_]:
     """Return the samples whose force stays at exactly its extreme while the bearing moves on."""
+    limits = check_limits()
     clipped = np.zeros(len(record.time), dtype=bool)
     for extreme in (record.force.max(), record.force.min()):
         for a, b in split_runs(np.abs(record.force - extreme) <= 1e-9 * record.peak_force):
             travel = float(np.ptp(record.displacement[a : b + 1]))
             # A plateau at rest is no saturation: the bearing must move on below it.
-            if b - a + 1 >= CLIPPED_RUN and travel > CLIPPED_WAY * record.peak_displacement:
+            if (
+                b - a + 1 >= limits.clipped_run
+                and travel > limits.clipped_way * record.peak_displacement
+            ):
                 clipped[a : b + 1] = True
     return clipped
 
@@ -512,19 +505,20 @@ def _check_level_force(record: TestRecord, full: list[Cycle]) -> Iterator[Findin
 
     Bearings stiffen or stay as stiff towards their largest displacement.
     """
+    limits = check_limits()
     largest = max((cycle.amplitude for cycle in full), default=0.0)
     level = [cycle for cycle in full if cycle.amplitude > (1.0 - SAME) * largest]
     for side in (1.0, -1.0):
         rises = [_rises(record, cycle, side) for cycle in level]
         if level and all(
-            before > LEVEL_RISE * record.peak_force and after < LEVEL_RISE * before
+            before > limits.level_rise * record.peak_force and after < limits.level_rise * before
             for before, after in rises
         ):
             top = float((side * record.force).max())
             yield warn(
                 "saturation",
-                f"the force does not rise over the last {percent(LEVEL_PART)} of the displacement "
-                f"to the {'positive' if side > 0.0 else 'negative'} side, at about "
+                f"the force does not rise over the last {percent(limits.level_part)} of the "
+                f"displacement to the {'positive' if side > 0.0 else 'negative'} side, at about "
                 f"{side * top:.4g} kN: was the load cell saturated? The true peak forces are "
                 "larger; leave out these cycles, or repeat the test with another range",
             )
@@ -532,6 +526,7 @@ def _check_level_force(record: TestRecord, full: list[Cycle]) -> Iterator[Findin
 
 def _rises(record: TestRecord, cycle: Cycle, side: float) -> tuple[float, float]:
     """Return by how much the force rises in the last part of a way out, and in the part before."""
+    limits = check_limits()
     x = side * record.displacement[cycle.first : cycle.last + 1]
     force = side * record.force[cycle.first : cycle.last + 1]
     end = int(x.argmax())
@@ -539,12 +534,12 @@ def _rises(record: TestRecord, cycle: Cycle, side: float) -> tuple[float, float]
     begin = int(crossings[-1]) if len(crossings) else 0
     place, force = x[begin : end + 1] / x[end], force[begin : end + 1]
     slopes = []
-    for low in (1.0 - 2.0 * LEVEL_PART, 1.0 - LEVEL_PART):
-        part = (place >= low) & (place <= low + LEVEL_PART)
-        if part.sum() < FEWEST_OF_PART or not np.ptp(place[part]):
+    for low in (1.0 - 2.0 * limits.level_part, 1.0 - limits.level_part):
+        part = (place >= low) & (place <= low + limits.level_part)
+        if part.sum() < limits.fewest_of_part or not np.ptp(place[part]):
             return 0.0, 0.0
         slopes.append(float(np.polyfit(place[part], force[part], 1)[0]))
-    return LEVEL_PART * slopes[0], LEVEL_PART * slopes[1]
+    return limits.level_part * slopes[0], limits.level_part * slopes[1]
 
 
 def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
@@ -553,23 +548,24 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     The record has its rests held and spikes bridged, and one full cycle at least. Numbers that no
     bearing has are refused.
     """
+    limits = check_limits()
     rubber = bearing.total_rubber_thickness
     strain = record.peak_displacement / rubber
     reached = f"displacement reaches {record.peak_displacement:.4g} mm"
-    if strain > LARGEST_STRAIN:
+    if strain > limits.largest_strain:
         message = (
             f"{percent(strain)} of the total rubber thickness, {rubber:g} mm: wrong unit, or the "
         )
         yield refuse("strain", f"{reached}, {message}wrong bearing?")
-    elif strain < SMALLEST_STRAIN:
+    elif strain < limits.smallest_strain:
         message = f"{reached}, only {percent(strain, 1)} of the total rubber thickness: wrong unit?"
         yield warn("strain", message)
     speed = _mean_speed(record)
-    if speed <= FASTEST and speed / rubber > FASTEST_RATE:
+    if speed <= limits.fastest and speed / rubber > limits.fastest_rate:
         message = f"the mean speed is {speed:.4g} mm/s, a strain rate of {speed / rubber:.3g} 1/s: "
         yield warn("speed", f"{message}is time in minutes or ms labelled s?")
     file_thickness = record.rubber_thickness
-    if file_thickness is not None and abs(file_thickness - rubber) > OTHER_RUBBER * rubber:
+    if file_thickness is not None and abs(file_thickness - rubber) > limits.other_rubber * rubber:
         message = (
             f"displacement and strain give a total rubber thickness of {file_thickness:.4g} mm, "
             f"but the bearing has {rubber:g} mm: the wrong bearing, or a wrong unit?"
@@ -581,8 +577,8 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
         return
     modulus = largest_by(measured, lambda m: m.amplitude_mm).G_eq_MPa
     stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
-    if not SOFTEST <= modulus <= STIFFEST:
-        comparison = "less than any rubber" if modulus < SOFTEST else "more than any bearing"
+    if not limits.softest <= modulus <= limits.stiffest:
+        comparison = "less than any rubber" if modulus < limits.softest else "more than any bearing"
         yield refuse("unit", f"{stated}, {comparison} has{_suspected_slip(modulus, strain)}")
     else:
         yield note("unit", stated)
@@ -590,11 +586,12 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
 
 def _suspected_slip(modulus: float, strain: float) -> str:
     """Return the mistakes in units that would explain a modulus [MPa] and a strain."""
+    limits = check_limits()
     mistakes = [
         f"{mistake} ({modulus * force_factor / length_factor:.3g} MPa)"
         for force_factor, length_factor, mistake in SLIPS
-        if SOFTEST < modulus * force_factor / length_factor < STIFFEST
-        and SMALLEST_STRAIN < strain * length_factor < LARGEST_STRAIN
+        if limits.softest < modulus * force_factor / length_factor < limits.stiffest
+        and limits.smallest_strain < strain * length_factor < limits.largest_strain
     ]
     return f"; is {' or '.join(mistakes)}?" if mistakes else ""
 
@@ -630,18 +627,19 @@ def _check_conditioning(record: TestRecord, bearing: Bearing) -> Iterator[Findin
 
 def check_thermocouples(record: TestRecord) -> Iterator[Finding]:
     """Yield thermocouples in kelvin, that look broken, or do not start near the ambient."""
+    limits = check_limits()
     for title, values in record.temperatures.items():
         # Before the range of the sensor: 296 K in a column of degC is a wrong unit, no broken
         # sensor. Where the ambient temperature is not known, it is near that of laboratories.
         begin = initial_temperature(values)
         ambient = ASSUMED_AMBIENT if np.isnan(record.ambient) else record.ambient
-        if abs(begin - ZERO_DEGC - ambient) < LIKE_KELVIN and begin > LOWEST_KELVIN:
+        if abs(begin - ZERO_DEGC - ambient) < limits.like_kelvin and begin > limits.lowest_kelvin:
             yield refuse(
                 "thermocouple",
                 f"{title} starts at {begin:.4g} degC; in kelvin that would be "
                 f'{begin - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
             )
-        elif values.min() < COLDEST or values.max() > HOTTEST:
+        elif values.min() < limits.coldest or values.max() > limits.hottest:
             ends = f"{values.min():.3g} to {values.max():.3g} degC"
             message = f"{title} reads {ends}: is the sensor broken?"
             yield warn("thermocouple", message)
