@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,10 @@ sys.dont_write_bytecode = False
 
 # The commands with all their options are made once, and not for each call in a test.
 testing._get_command = cache(testing._get_command)
+
+# Doctests are collected from every module: not from one whose package is not installed.
+NEEDS_ELEMENTS = "src/thermobearing/verify/finite_elements.py"
+collect_ignore = [] if find_spec("skfem") else [NEEDS_ELEMENTS]
 
 pytest_plugins = ["tests.fixtures.kernels", "tests.fixtures.study"]
 

@@ -47,7 +47,7 @@ def rises(case: str) -> tuple[Floats, float]:
 
 def elements(case: str) -> tuple[Floats, dict[str, float]]:
     """The lead's mean at the times, and the points at the end of the loading [K]."""
-    from tests.reference.fe_heat import FiniteElements, bearing_problem, released
+    from thermobearing.verify.finite_elements import FiniteElements, bearing_problem, released
 
     bearing = variant(FIELDS[case])
     keep = ("rubber", "layer_displacement", "cells")

@@ -3,7 +3,7 @@
 import thermobearing as tb
 from benchmarks.rows import Row, at_least, plain
 from benchmarks.specimen import ETA, NAME, seconds, step_microseconds, table_34
-from tests.reference.numpy_stepper import NumpyStepper
+from thermobearing.verify.numpy_stepper import NumpyStepper
 
 STEPS = 400
 WARM = 23.0  # [degC]; the reference has no rule for softening layers

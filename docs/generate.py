@@ -23,6 +23,7 @@ from docs.builder import keys, pictures
 from thermobearing import cli  # noqa: F401 (it has all commands)
 from thermobearing.commands.descriptions import descriptions_text
 from thermobearing.commands.options import COMMAND_FIELDS, DESCRIPTIONS
+from thermobearing.verify.rows import EVIDENCE, row_definitions
 
 DOCS = Path(__file__).parent
 README = DOCS.parent / "README.md"
@@ -200,6 +201,19 @@ def readme_text(old: str, measured: list[dict[str, str]]) -> str:
     return between(text, "validated", validated_rows(measured))
 
 
+def verify_rows() -> list[list[str]]:
+    """Return the rows of `thermobearing verify`, whose definitions are in data/verify."""
+    return [
+        [
+            row.what,
+            row.against,
+            f"{row.limit:.2g} {row.unit}",
+            EVIDENCE[row.evidence] or "calculation",
+        ]
+        for row in row_definitions()
+    ]
+
+
 def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> str:
     """Return docs/verification.md: what was checked, against what, with which error, and speed."""
     values = {m["what"]: m["value"] for m in measured}
@@ -218,6 +232,13 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 "studies are in the appendix; see also the "
                 "[comparison with Shen](comparison_with_shen.md).",
                 table(["what", "compared with", "result"], rows),
+                "## In a minute",
+                "`thermobearing verify` repeats these comparisons where the program is installed, "
+                "without tests or network, and explains what is beyond its limit (exit status 1); "
+                "`--html FILE` writes a page. Stored numbers of finite elements and OpenSees carry "
+                "the digest of their script, and are computed anew where scikit-fem and openseespy "
+                "are installed.",
+                table(["what", "compared with", "limit", "by"], verify_rows()),
                 "Further checks without a number: golden files of every command, hostile input "
                 "(100 000 cases), and small errors put into the code, which tests must detect.",
                 "## Speed",

@@ -4,15 +4,13 @@
 install. Tests that need it carry the mark `needs_opensees`, which skips them with that sentence.
 """
 
-from ctypes import CDLL
 from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
 
 from tests.skip_reasons import NO_OPENSEES as MISSING
+from thermobearing.verify.references import preload_opensees
 
 
 class Absent:
@@ -24,23 +22,10 @@ class Absent:
         raise ImportError(MISSING)
 
 
-def _preload() -> None:
-    """Load the libraries of the wheel that it does not find itself.
-
-    It brings its own BLAS, but tells the system where only for the libraries that its module
-    needs, not for those that they need in turn. Loaded under the same name, they are found.
-    """
-    found = find_spec("openseespylinux")
-    for folder in (found and found.submodule_search_locations) or ():
-        for name in ("libquadmath.so.0", "libblas.so.3"):
-            if (library := Path(folder, "lib", name)).exists():
-                CDLL(str(library))
-
-
 def _load() -> Any:
     """The module or its stand-in."""
     try:
-        _preload()
+        preload_opensees()
         return import_module("openseespy.opensees")
     except (ImportError, OSError, RuntimeError):  # the last is how openseespy itself reports
         return Absent()

@@ -1,8 +1,9 @@
 """The command `thermobearing`: thin calls into the library, clear ends.
 
-Exit status: 0 done; 2 bad input or a target that cannot be written (one message, nothing
-written; `intake` writes what it could read); 3 the analysis ended early (partial results
-written); 4 a poor fit (written, the bearing marked); 130 interrupted (partial results kept).
+Exit status: 0 done; 1 a row of `verify` is red; 2 bad input or a target that cannot be written
+(one message, nothing written; `intake` writes what it could read); 3 the analysis ended early
+(partial results written); 4 a poor fit (written, the bearing marked); 130 interrupted (partial
+results kept).
 Heavy imports wait until a command needs them, so that --help is quick.
 """
 
@@ -29,7 +30,7 @@ from thermobearing.commands.common import BAD_INPUT, app, guard_streams, is_out_
 
 # Commands and groups in the order of the help.
 ORDER = """list check cyclic bridge hybrid sequence serve measure intake identify validate design
-bounds lambda factors new live report study motions structures limits"""
+bounds lambda factors new verify live report study motions structures limits"""
 NO_MEMORY = b"thermobearing: not enough memory\n"
 app.registered_commands.sort(key=lambda command: ORDER.split().index(str(command.name)))
 app.registered_groups.sort(key=lambda group: ORDER.split().index(str(group.name)))

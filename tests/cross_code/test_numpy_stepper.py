@@ -12,8 +12,8 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
-from tests.reference.numpy_stepper import NumpyStepper
 from thermobearing.cyclic.history import build_segments
+from thermobearing.verify.numpy_stepper import NumpyStepper
 
 
 @dataclass(frozen=True)

@@ -100,7 +100,7 @@ def errors(case: Case, **options: Any) -> tuple[float, float]:
 
     The finite elements get the heat of our own run, so that only the heat flow is compared.
     """
-    from tests.reference.fe_heat import FILM, FiniteElements, bearing_problem, released
+    from thermobearing.verify.finite_elements import FILM, FiniteElements, bearing_problem, released
 
     wave = {"step": "cycles", "wave": "sine", "strain": case.strain, "count": case.count}
     cycles = wave | {"period": case.period}

@@ -53,7 +53,7 @@ def loading(bearing: tb.Bearing) -> tb.CyclicTest:
 
 
 def finite_elements(bearing: tb.Bearing, fineness: float = 1.0, dt: float = 0.1) -> Any:
-    from tests.reference.fe_heat import FiniteElements, bearing_problem, released
+    from thermobearing.verify.finite_elements import FiniteElements, bearing_problem, released
 
     keep = ("rubber", "layer_displacement", "cells")
     result = tb.run(bearing, loading(bearing), ambient=AMBIENT, keep=keep)
@@ -200,7 +200,7 @@ def superposed_lead(result: tb.Result, heat: tuple[Any, Any], p: float) -> float
 @pytest.mark.thorough
 def test_exact_superposition_is_no_better_with_p_one_half(measured: Recorder) -> None:
     """The formula takes the flux as constant since the start; that error and p partly cancel."""
-    from tests.reference.fe_heat import released
+    from thermobearing.verify.finite_elements import released
 
     bearing = variant("LHDR")
     history = finite_elements(bearing)
@@ -242,7 +242,7 @@ def diffusivity(material: Material) -> float:
 
 
 def decayed(blocks: tuple[Any, ...], side: float, rate: float, mode: Mode) -> float:
-    from tests.reference.fe_heat import FiniteElements, Problem, graded
+    from thermobearing.verify.finite_elements import FiniteElements, Problem, graded
 
     count = 8
     z = np.concatenate([[0.0], graded(0.0, H - B, count), graded(H - B, H, count)])
@@ -258,7 +258,7 @@ def decayed(blocks: tuple[Any, ...], side: float, rate: float, mode: Mode) -> fl
 
 def test_cylinder_with_films_on_face_and_side(measured: Recorder) -> None:
     """J0(m r) cos(w (H - z)) with k m J1(m R) = film J0(m R) and k w tan(w H) = film."""
-    from tests.reference.fe_heat import Block
+    from thermobearing.verify.finite_elements import Block
 
     k = conductivity(STEEL)
     m = brentq(lambda x: k * x * j1(x * R) - SIDE * j0(x * R), 1e-9, 2.4 / R)
@@ -275,7 +275,7 @@ def test_cylinder_with_films_on_face_and_side(measured: Recorder) -> None:
 
 def test_steel_on_rubber_with_a_film(measured: Recorder) -> None:
     """cos(p y) in the rubber, y = H - z; in the steel what fits it, with the film at the face."""
-    from tests.reference.fe_heat import Block
+    from thermobearing.verify.finite_elements import Block
 
     k_r, k_s = conductivity(RUBBER), conductivity(STEEL)
 
@@ -308,7 +308,7 @@ def test_steel_on_rubber_with_a_film(measured: Recorder) -> None:
 
 def test_a_gap_lets_no_heat_through() -> None:
     """A core with its wall doubled warms by its heat over c rho V everywhere; the rest does not."""
-    from tests.reference.fe_heat import Block, FiniteElements, Problem, graded
+    from thermobearing.verify.finite_elements import Block, FiniteElements, Problem, graded
 
     core, heat = 15.0, 1000.0
     r = np.concatenate([[0.0], graded(0.0, core, 4), graded(core, R, 4)])

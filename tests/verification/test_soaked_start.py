@@ -74,7 +74,7 @@ def test_start_is_linear_in_the_difference() -> None:
 def test_hours_of_a_large_bearing_as_finite_elements_have_them(measured: Recorder) -> None:
     """A 700 mm LRB from 23 to -20 degC; lead is the farthest off, by 1.0 K after 3 h."""
     pytest.importorskip("skfem", reason="scikit-fem is not installed")
-    from tests.reference.fe_heat import FiniteElements, mean_rubber, weather_problem
+    from thermobearing.verify.finite_elements import FiniteElements, mean_rubber, weather_problem
 
     bearing = tb.load_bearing("lrb-example")
     numbers = chamber_numbers()

@@ -66,7 +66,7 @@ def cooling(device: Device, hours: Any) -> Any:
 def test_bearing_follows_the_air_as_finite_elements_do(
     name: str, behind: float, measured: Recorder
 ) -> None:
-    from tests.reference.fe_heat import FiniteElements, mean_rubber, weather_problem
+    from thermobearing.verify.finite_elements import FiniteElements, mean_rubber, weather_problem
 
     bearing = select_bearing(name)
     problem = weather_problem(bearing, FILM, COVER, behind)
@@ -113,7 +113,7 @@ def rest(constants: Any, hours: float, pieces: int = 1) -> Any:
 
 
 def test_rest_of_lead_in_touch_is_one_whatever_its_pieces(measured: Recorder) -> None:
-    from tests.reference.fe_heat import (
+    from thermobearing.verify.finite_elements import (
         FiniteElements,
         bearing_problem,
         mean_rubber,

@@ -1,6 +1,7 @@
 """List what is built in, check files, create bearings, and write reports of results."""
 
 import re
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -267,3 +268,37 @@ def _report(
         for file in files:
             echo_written(file, f" ({megabytes(file.stat().st_size)})")
     return {"outcome": "completed", "exit_status": 0, "files": [str(file) for file in files]}
+
+
+@command(app, "verify", examples="verify\nverify --html verify.html", panel=FILES)
+def _verify(
+    html: Annotated[
+        Path | None,
+        option("--html", help="Also write the table as one HTML file.", metavar="FILE"),
+    ],
+    overwrite: Overwrite,
+    quiet: Quiet,
+) -> Answer:
+    """Verify this installation: closed forms, other solvers and programs, a real test.
+
+    Each row states what is compared, against what, the error and its limit. A red row is explained,
+    and the exit status is then 1. Finite elements and OpenSees are computed where scikit-fem and
+    openseespy are installed, and otherwise compared with stored numbers.
+    """
+    from thermobearing.border.text_file import write_file
+    from thermobearing.results.screen import say, show_table
+    from thermobearing.verify import report
+    from thermobearing.verify.rows import verify_rows
+
+    begin = time.perf_counter()
+    verified = list(verify_rows())
+    seconds = time.perf_counter() - begin
+    if not quiet:
+        show_table(report.verified_table(verified))
+        say(report.headline(verified, seconds))
+        for sentence in report.explanations(verified):
+            say(sentence, "red")
+    if html is not None:
+        write_file(html, report.verified_page(verified, seconds), overwrite=overwrite)
+        echo_written(html)
+    return report.verified_summary(verified, seconds)

@@ -111,7 +111,8 @@ def temperature_factors(
     numbers = _chosen_cycles(cycles)
     temperatures, strains = one_or_several(temperatures), one_or_several(strains)
     _check(bearings, reference_temperature, temperatures, strains, period)
-    ambient = list(dict.fromkeys([float(reference_temperature), *(float(t) for t in temperatures)]))
+    # 0.0 added to -0.0 is 0.0, as which it is labelled.
+    ambient = list(dict.fromkeys(float(t) + 0.0 for t in (reference_temperature, *temperatures)))
     parts = [
         [_measured(item, ambient, strain, period, numbers, options) for strain in strains]
         for item in bearings

@@ -51,6 +51,8 @@ def increment_of_z(z: Floats, dd: Floats, d_y: float, curvature: float) -> tuple
 
 @dataclass(frozen=True)
 class Cells:
+    """Cells of half a stack, from the upper face down."""
+
     thickness: Floats  # [mm]
     conductivity: Floats  # [kN/(s K)]
     volumetric_heat: Floats  # [kN/(mm2 K)] = [kN mm/(mm3 K)]

@@ -48,6 +48,8 @@ NEAR = 1e-9  # mm, of nodes that are one
 
 @dataclass(frozen=True)
 class Block:
+    """A rectangle of one material, in r and z [mm]."""
+
     name: str
     r: tuple[float, float]
     z: tuple[float, float]
@@ -76,6 +78,7 @@ def graded(start: float, end: float, count: int, ratio: float = 1.0) -> Floats:
 
 
 def make_mesh(problem: Problem) -> MeshQuad:
+    """Return the mesh of the lines of a problem, its nodes doubled along the slit."""
     rows, columns = len(problem.z), len(problem.r)
     z, r = (part.ravel() for part in np.meshgrid(problem.z, problem.r, indexing="ij"))
     corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
@@ -91,22 +94,22 @@ def make_mesh(problem: Problem) -> MeshQuad:
     return MeshQuad(np.array([r, z]), quads)
 
 
-@BilinearForm
+@BilinearForm  # type: ignore[untyped-decorator]
 def _capacity(u: Any, v: Any, w: Any) -> Any:
     return 2.0 * np.pi * w.x[0] * w.value * u * v
 
 
-@BilinearForm
+@BilinearForm  # type: ignore[untyped-decorator]
 def _conduction(u: Any, v: Any, w: Any) -> Any:
     return 2.0 * np.pi * w.x[0] * w.value * (u.grad[0] * v.grad[0] + u.grad[1] * v.grad[1])
 
 
-@BilinearForm
+@BilinearForm  # type: ignore[untyped-decorator]
 def _film(u: Any, v: Any, w: Any) -> Any:
     return 2.0 * np.pi * w.x[0] * u * v
 
 
-@LinearForm
+@LinearForm  # type: ignore[untyped-decorator]
 def _mean(v: Any, w: Any) -> Any:
     return 2.0 * np.pi * w.x[0] * v
 
@@ -194,16 +197,16 @@ class FiniteElements:
         steps = np.concatenate([np.full(count, dt) for dt, count in stages])
         time = np.concatenate([[0.0], np.cumsum(steps)])
         loads = np.array([self.weights[name] for name in heat]).T
-        given = np.array([np.diff(np.interp(time, *curve)) for curve in heat.values()]).T
+        amounts = np.array([np.diff(np.interp(time, *curve)) for curve in heat.values()]).T
         t = np.zeros(self.basis.N) if start is None else start.copy()
         gauge = np.array(list(self.weights.values()))
         means = [gauge @ t]
-        whole, sink = (np.asarray(m.sum(axis=0)).ravel() for m in (self.capacity, self.losses))
-        lost, begin, factored = 0.0, float(whole @ t), (0.0, None)
+        capacities, sink = (np.asarray(m.sum(axis=0)).ravel() for m in (self.capacity, self.losses))
+        lost, begin, factored = 0.0, float(capacities @ t), (0.0, self.factors(float(steps[0])))
         for i, dt in enumerate(steps):
             if factored[0] != dt:
                 factored = (dt, self.factors(dt))
-            load = loads @ given[i] / dt if heat else 0.0
+            load = loads @ amounts[i] / dt if heat else 0.0
             first = factored[1].solve(load - self.stiffness @ t)
             middle = t + SDIRK * dt * first
             between = t + (1.0 - SDIRK) * dt * first
@@ -213,9 +216,9 @@ class FiniteElements:
             t = between + SDIRK * dt * second
             means.append(gauge @ t)
         table = np.array(means)
-        stored = float(whole @ t) - begin
+        stored = float(capacities @ t) - begin
         named = {name: table[:, k] for k, name in enumerate(self.weights)}
-        return History(time, named, t, float(given.sum()), stored, lost)
+        return History(time, named, t, float(amounts.sum()), stored, lost)
 
 
 def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -> Problem:
@@ -249,10 +252,10 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
             planes.append((f"middle of {name}", depth + 0.5 * thickness, core))
         depth += thickness
     count = max(2, round(9 * fineness))
-    across = [np.zeros(1), graded(core, radius, count, 30.0 if lead else 0.2)]
+    radial = [np.zeros(1), graded(core, radius, count, 30.0 if lead else 0.2)]
     slit = None
     if lead is not None and m.lead is not None:
-        across.insert(1, graded(0.0, core, max(2, round(7 * fineness)), 0.03))
+        radial.insert(1, graded(0.0, core, max(2, round(7 * fineness)), 0.03))
         blocks.append(Block("lead", (0.0, core), (g.end_plate_thickness, depth), m.lead))
         slit = (core, g.end_plate_thickness) if lead.confined else None
     cell = g.end_plate_thickness / bearing.cells.end_plate
@@ -260,7 +263,7 @@ def bearing_problem(bearing: Bearing, eta: float = 2.0, fineness: float = 1.0) -
     half = 0.5 * cell / (m.steel.conductivity * CONDUCTIVITY)
     side = m.side_film * FILM * g.plan.perimeter / (2.0 * math.pi * radius)
     return Problem(
-        r=np.unique(np.concatenate(across)),
+        r=np.unique(np.concatenate(radial)),
         z=np.concatenate(lines),
         blocks=tuple(blocks),
         face_film=per_area / (1.0 - per_area * half),
@@ -305,16 +308,16 @@ def weather_problem(
         blocks.append(Block(name, across, (depth, depth + thickness), material))
         depth += thickness
     inner = behind + g.end_plate_thickness
-    across = [np.zeros(1), graded(core, radius, 9, 0.1), graded(radius, radius + cover, 2)]
+    radial = [np.zeros(1), graded(core, radius, 9, 0.1), graded(radius, radius + cover, 2)]
     slit = None
     if lead is not None and m.lead is not None:
-        across.insert(1, graded(0.0, core, 5))
+        radial.insert(1, graded(0.0, core, 5))
         blocks.append(Block("lead", (0.0, core), (inner, depth), m.lead))
         slit = (core, inner) if lead.confined else None
     if cover:
         blocks.append(Block("cover", (radius, radius + cover), (0.0, depth), around))
     return Problem(
-        r=np.unique(np.concatenate(across)),
+        r=np.unique(np.concatenate(radial)),
         z=np.concatenate(lines),
         blocks=tuple(blocks),
         face_film=film * FILM,
@@ -324,6 +327,7 @@ def weather_problem(
 
 
 def mean_rubber(problem: Problem, history: History) -> Floats:
+    """Return the mean temperature of all rubber above the ambient [K]."""
     layers = [block for block in problem.blocks if block.name.startswith("rubber")]
     volume = [(b.r[1] ** 2 - b.r[0] ** 2) * (b.z[1] - b.z[0]) for b in layers]
     return np.average([history.means[b.name] for b in layers], axis=0, weights=volume)
@@ -346,11 +350,11 @@ def released(bearing: Bearing, result: Any) -> dict[str, tuple[Floats, Floats]]:
 
     branches = "rubber_force" in data
     viscous = work("viscous_force", x) / layers if branches else np.zeros(len(x))
-    found = {}
+    heats = {}
     for j in range(1, layers // 2 + 1):
         d = data["layer_displacement"].sel(layer=j).values
-        own = work("rubber_force" if branches else "force", d)
-        found[f"rubber {j}"] = (time, (own + viscous) / cores)
+        elastic = work("rubber_force" if branches else "force", d)
+        heats[f"rubber {j}"] = (time, (elastic + viscous) / cores)
     if bearing.lead is not None:
-        found["lead"] = (time, 0.5 * work("lead_force", x) / cores)  # the upper half of a core
-    return found
+        heats["lead"] = (time, 0.5 * work("lead_force", x) / cores)  # the upper half of a core
+    return heats

@@ -1,0 +1,1 @@
+"""Verification that anyone repeats in a minute: `thermobearing verify`."""
