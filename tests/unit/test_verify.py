@@ -11,7 +11,7 @@ from tests.opensees import needs_opensees
 from tests.reference import stored
 from tests.unit.inputs import command
 from thermobearing.core.records import Floats
-from thermobearing.verify import closed_forms, references, rows
+from thermobearing.verify import closed_forms, references, report, rows
 from thermobearing.verify.comparison import Comparison
 from thermobearing.verify.numpy_stepper import NumpyStepper
 
@@ -43,6 +43,15 @@ def test_all_rows_are_green(tmp_path: Path) -> None:
     assert all(row["error"] <= row["limit"] for row in summary["rows"])
     text = page.read_text(encoding="utf-8")
     assert all(row.what.partition(" (")[0] in text for row in rows.row_definitions())
+
+
+def test_a_narrow_screen_has_one_line_for_each_row() -> None:
+    item = rows.Verified(named("linear_pier"), 2.0, "calculated", "", 0.1)
+    wide, narrow = (report.screen_table([item], width) for width in (None, 80))
+    assert len(wide.columns) == 6
+    assert len(narrow.columns) == 4
+    lines = [[row.what, "8.8e-88", "8.8e-88", "green"] for row in rows.row_definitions()]
+    assert max(len("  ".join(line)) for line in lines) <= 80
 
 
 def test_a_broken_row_is_red(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -286,7 +286,7 @@ def _verify(
     openseespy are installed, and otherwise compared with stored numbers.
     """
     from thermobearing.border.text_file import write_file
-    from thermobearing.results.screen import say, show_table
+    from thermobearing.results.screen import say, screen_width, show_table
     from thermobearing.verify import report
     from thermobearing.verify.rows import verify_rows
 
@@ -294,11 +294,12 @@ def _verify(
     verified = list(verify_rows())
     seconds = time.perf_counter() - begin
     if not quiet:
-        show_table(report.verified_table(verified))
+        show_table(report.screen_table(verified, screen_width()))
         say(report.headline(verified, seconds))
         for sentence in report.explanations(verified):
             say(sentence, "red")
     if html is not None:
         write_file(html, report.verified_page(verified, seconds), overwrite=overwrite)
-        echo_written(html)
+        if not quiet:
+            echo_written(html)
     return report.verified_summary(verified, seconds)

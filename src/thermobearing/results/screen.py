@@ -84,7 +84,7 @@ def show_table(table: Table) -> None:
     styles = ["red" if k in table.failed else "" for k in range(len(cells))]
     if table.caption:
         say(f"\n{table.caption}")
-    for number, block in enumerate(_laid_out(heads, cells, table.keys, _screen_width())):
+    for number, block in enumerate(_laid_out(heads, cells, table.keys, screen_width())):
         if number:
             say("")
         looks = ["bold"] * (len(block) - len(cells)) + styles
@@ -95,7 +95,7 @@ def show_table(table: Table) -> None:
         say(table.note)
 
 
-def _screen_width() -> int | None:
+def screen_width() -> int | None:
     """Return the width of the terminal; None without a terminal and without COLUMNS."""
     console = Console()
     if console.is_terminal:

@@ -2,6 +2,7 @@
 
 import platform
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import thermobearing
@@ -11,6 +12,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import counted
 from thermobearing.report.html import html_page
 from thermobearing.report.pieces import Block, Bullets, Document, Heading, Paragraph, TableBlock
+from thermobearing.results.screen import GAP
 from thermobearing.verify.rows import EVIDENCE, GREEN, Verified
 
 COLUMNS = [
@@ -19,8 +21,10 @@ COLUMNS = [
     Quantity("Error", form=".2g", name="error"),
     Quantity("Limit", form=".2g", name="limit"),
     Quantity("Unit", name="unit"),
-    Quantity("", name="verdict"),
+    Quantity("Result", name="verdict"),
 ]
+NARROW = ("what", "error", "limit", "verdict")  # columns that fit into 80 letters
+OMITTED = "What each row is compared with, and the unit of its error: --html FILE, --json."
 
 
 def verified_table(verified: Sequence[Verified]) -> Table:
@@ -32,7 +36,20 @@ def verified_table(verified: Sequence[Verified]) -> Table:
         error = "none" if item.error is None else item.error
         rows.append([item.row.what, against, error, item.row.limit, item.row.unit, item.verdict])
     failed = frozenset(k for k, item in enumerate(verified) if item.verdict != GREEN)
-    return Table("", COLUMNS, rows, failed=failed)
+    return Table("Errors and their limits", COLUMNS, rows, failed=failed)
+
+
+def screen_table(verified: Sequence[Verified], width: int | None) -> Table:
+    """Return the table for a screen, on which each row is one line; `width` in letters."""
+    table = verified_table(verified)
+    texts = [[column.title for column in table.columns], *table.texts()]
+    longest = sum(max(map(len, column)) + len(GAP) for column in zip(*texts, strict=True))
+    if width is None or longest - len(GAP) <= width:
+        return table
+    places = [place for place, column in enumerate(COLUMNS) if column.name in NARROW]
+    rows = [[row[place] for place in places] for row in table.rows]
+    columns = [COLUMNS[place] for place in places]
+    return replace(table, columns=columns, rows=rows, note=OMITTED)
 
 
 def headline(verified: Sequence[Verified], seconds: float) -> str:
@@ -69,8 +86,7 @@ def verified_page(verified: Sequence[Verified], seconds: float) -> str:
         *([Bullets(red, "warning")] if red else []),
         TableBlock("verification", table),
     ]
-    identity = here()
-    return html_page(Document("thermobearing verify", {}, None, blocks, identity))
+    return html_page(Document("thermobearing verify", here(), None, blocks, here()))
 
 
 def verified_summary(verified: Sequence[Verified], seconds: float) -> dict[str, Any]:
