@@ -88,6 +88,16 @@ def test_values_are_those_of_a_run(table: pd.DataFrame) -> None:
     )
 
 
+@pytest.mark.parametrize(("reference", "other"), [(-0.0, -0.0), (1e-9, -0.0), (-0.0, 20.0)])
+def test_zero_has_no_sign(reference: float, other: float) -> None:
+    """-0.0 degC made a KeyError: its run is called that at 0 degC."""
+    table = temperature_factors(
+        HDR, reference_temperature=reference, temperatures=[other], strains=[1.0]
+    )
+    at = table[table["ambient_degC"] == reference]
+    assert_allclose(at["factor"], 1.0, rtol=1e-12)
+
+
 def test_a_posterior_makes_bands() -> None:
     samples = [HDR]
     for factor in (0.9, 0.95, 1.05, 1.1):
