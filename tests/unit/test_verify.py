@@ -1,6 +1,8 @@
 """`thermobearing verify`: all rows are green here, and a row that is broken on purpose is red."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +12,7 @@ import pytest
 from tests.opensees import needs_opensees
 from tests.reference import stored
 from tests.unit.inputs import command
+from thermobearing.core.compiled import native
 from thermobearing.core.records import Floats
 from thermobearing.verify import closed_forms, references, report, rows
 from thermobearing.verify.comparison import Comparison
@@ -43,6 +46,29 @@ def test_all_rows_are_green(tmp_path: Path) -> None:
     assert all(row["error"] <= row["limit"] for row in summary["rows"])
     text = page.read_text(encoding="utf-8")
     assert all(row.what.partition(" (")[0] in text for row in rows.row_definitions())
+
+
+OPTIONAL = ("jinja2", "markdown_it", "numba", "openseespy", "skfem")
+PROGRAM = """
+import sys
+sys.modules.update(dict.fromkeys(sys.argv.pop(1).split(",")))
+from thermobearing.cli import main
+main()
+"""
+
+
+def test_no_optional_package_is_needed() -> None:
+    if native.open_library()[0] is None:
+        pytest.skip("the kernels of these sources are not built: make kernels")
+    ended = subprocess.run(
+        [sys.executable, "-c", PROGRAM, ",".join(OPTIONAL), "verify", "--json", "--quiet"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    summary = json.loads(ended.stdout.splitlines()[-1])
+    assert "recomputed" not in {row["evidence"] for row in summary["rows"]}
 
 
 def test_a_narrow_screen_has_one_line_for_each_row() -> None:

@@ -286,10 +286,13 @@ def _verify(
     openseespy are installed, and otherwise compared with stored numbers.
     """
     from thermobearing.border.text_file import write_file
+    from thermobearing.report.markdown import check_packages
     from thermobearing.results.screen import say, screen_width, show_table
     from thermobearing.verify import report
     from thermobearing.verify.rows import verify_rows
 
+    if html is not None:
+        check_packages()
     begin = time.perf_counter()
     verified = list(verify_rows())
     seconds = time.perf_counter() - begin
@@ -299,7 +302,9 @@ def _verify(
         for sentence in report.explanations(verified):
             say(sentence, "red")
     if html is not None:
-        write_file(html, report.verified_page(verified, seconds), overwrite=overwrite)
+        from thermobearing.verify.page import verified_page
+
+        write_file(html, verified_page(verified, seconds), overwrite=overwrite)
         if not quiet:
             echo_written(html)
     return report.verified_summary(verified, seconds)

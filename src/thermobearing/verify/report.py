@@ -1,4 +1,4 @@
-"""Rows of `thermobearing verify` on the screen, as a page and as JSON."""
+"""Rows of `thermobearing verify` on the screen and as JSON."""
 
 import platform
 from collections.abc import Sequence
@@ -10,8 +10,6 @@ from thermobearing.core.compiled.native import open_library
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import counted
-from thermobearing.report.html import html_page
-from thermobearing.report.pieces import Block, Bullets, Document, Heading, Paragraph, TableBlock
 from thermobearing.results.screen import GAP
 from thermobearing.verify.rows import EVIDENCE, GREEN, Verified
 
@@ -74,19 +72,6 @@ def here() -> dict[str, str]:
         "Machine": f"{platform.system()} {platform.machine()}",
         "Kernels": kernels,
     }
-
-
-def verified_page(verified: Sequence[Verified], seconds: float) -> str:
-    """Return all rows as one HTML file that needs nothing else."""
-    red = explanations(verified)
-    table = verified_table(verified)
-    blocks: list[Block] = [
-        Heading(1, "Verification"),
-        Paragraph(headline(verified, seconds) + ".", "warning" if red else "answer"),
-        *([Bullets(red, "warning")] if red else []),
-        TableBlock("verification", table),
-    ]
-    return html_page(Document("thermobearing verify", here(), None, blocks, here()))
 
 
 def verified_summary(verified: Sequence[Verified], seconds: float) -> dict[str, Any]:
