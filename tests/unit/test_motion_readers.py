@@ -18,6 +18,7 @@ from thermobearing.motions.measures import significant_interval
 from thermobearing.motions.process import baseline_corrected, padded, resampled
 from thermobearing.motions.readers import read_motion
 from thermobearing.motions.record import ASSERTED, GroundMotion, acceleration_unit
+from thermobearing.motions.run import make_motion_case
 from thermobearing.motions.spectrum import response_spectrum
 from thermobearing.motions.synthesis import make_motion, match_spectrum
 from thermobearing.motions.targets import standard_spectrum
@@ -311,6 +312,7 @@ CALLS: list[tuple[str, Any, list[str]]] = [
     ("both", lambda: standard_spectrum(3, 4, [1.0]), ["type of earthquake", 'ground: "4"']),
     ("zero period", lambda: standard_spectrum("I", "I", [0.0]), ["periods", "> 0"]),
     ("factor", lambda: standard_spectrum("I", "I", [1.0], zone_factor=0.0), ["zone_factor: 0"]),
+    ("bytes", lambda: make_motion_case(kind="II", zone_factor=b"x"), ["zone_factor = b'x'"]),
     ("seed", lambda: make_motion("I", "I", -1), ["seed: -1"]),
     ("coarse", lambda: make_motion("I", "I", 1, 0.05), ["0.05 s", "[0.001, 0.02]"]),
     ("short", lambda: match_spectrum(MOTION, "II", "I"), ["lasts 3.99 s", "at least 5 s"]),

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from pydantic import AfterValidator, Field
 
 from thermobearing.border.arguments import checked
-from thermobearing.border.errors import InputError, printable
+from thermobearing.border.errors import InputError, printable, short_repr
 from thermobearing.border.library import data_path, unknown_name
 from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Strict, in_unit, validated
@@ -380,6 +380,10 @@ def standard_spectrum(
 
 def standard_target(kind: str, ground: str, zone_factor: float = 1.0) -> DesignSpectrum:
     """Return a standard spectrum of Level 2 as a target; type and ground are Roman numbers."""
+    if not is_number(zone_factor):
+        raise InputError(
+            f"zone_factor = {short_repr(zone_factor)}: must be a number", "standard_spectrum()"
+        )
     if not SMALLEST_ZONE_FACTOR <= zone_factor <= LARGEST_ZONE_FACTOR:
         raise InputError(
             f"zone_factor: {zone_factor:g} is outside [{SMALLEST_ZONE_FACTOR:g}, "
