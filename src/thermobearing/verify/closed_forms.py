@@ -58,7 +58,7 @@ def hysteresis_on_a_line() -> Comparison:
             first = solve_ivp(rate, (0.0, size), [z], events=crossing, **TIGHT)
             at, start = (first.t[-1], 0.0) if first.status == 1 else (size, first.y[0, -1])
         end = solve_ivp(rate, (at, size), [start], **TIGHT).y[0, -1] if at < size else start
-        closed, _ = exact_increment(z, direction * size, 1.0, CURVATURE)
+        closed, _ = exact_increment(z, direction * size, 1.0, 1.0, CURVATURE)
         largest = max(largest, abs(closed - float(end)))
     return Comparison(largest)
 
