@@ -89,7 +89,7 @@ def _check_refused(words: list[str], done: Result, new: set[str]) -> None:
 
     `intake` writes what it could read of several files.
     """
-    reports = "--check" in words or words[0] == "intake"
+    reports = "--check" in words or words[:1] == ["intake"]
     if reports and any(name.endswith("summary.json") for name in new):
         return
     assert done.output.strip(), "status 2 without a word"

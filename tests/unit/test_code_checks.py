@@ -63,7 +63,7 @@ def test_demand_is_the_mean_of_three_motions_of_a_level(bridge):
         assert strain["value"] == pytest.approx(mean / rubber, rel=1e-12)
         assert (strain["limit"], strain["verdict"], strain["unverified"]) == (2.5, "OK", True)
         small = rows.loc[(where, "Level 1 shear strain")]
-        assert small["value"] == pytest.approx(moved["jra-i-i-1"] / rubber, rel=1e-12)
+        assert small["value"] == pytest.approx(moved["jra-i-i-1-x0.2"] / rubber, rel=1e-12)
         assert small["limit"] == 1.5
     assert rows.loc[("23 degC", "rotation"), "value"] == ROTATION
     others = [name for _, name in rows.index if "shear strain" not in name or "local" in name]
@@ -410,7 +410,7 @@ def test_an_early_end_leaves_out_the_codes_and_names_its_cause():
     assert set(found.bearing_checks["code"]) == {""}
     unchecked = [text for text in found.warnings if "not checked, because" in text]
     assert [text.split(":")[0] for text in unchecked] == [JRA, AASHTO]
-    assert any("1 of 1 runs ended as not_physical" in text for text in found.warnings)
+    assert all("not_physical" in text for text in unchecked)
     largest = found.table["bearing_strain_max"].max()
     assert largest > 5.0
     assert f"strained to {100 * largest:.0f} % ({found.run_names[0]})" in found.sentence

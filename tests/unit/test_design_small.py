@@ -28,14 +28,6 @@ def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:
     assert (table[table["ambient_degC"] == 15.0]["factor"] == 1.0).all()
 
 
-def test_bearings_of_other_dimensions_are_no_samples_of_one_band() -> None:
-    bearing = tb.load_bearing("lrb-example")
-    geometry = bearing.geometry.model_copy(update={"rubber_layers": 3})
-    other = bearing.model_copy(update={"name": "low", "geometry": geometry})
-    with pytest.raises(tb.InputError, match="low has other dimensions than lrb-example"):
-        run_factors([bearing, other])
-
-
 def bridge(**table: Any) -> Any:
     """A deck of 400 t on piers A and B, in two lines of three bearings and of one."""
     table = {"structure": "two-piers.toml", "motions": ["jra-i-i-1"], "dt": "10 ms", **table}

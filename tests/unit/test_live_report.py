@@ -36,6 +36,9 @@ def module(monkeypatch: pytest.MonkeyPatch) -> None:
     )
 
 
+HALVED = f"{MOTION}-x0.5"  # as a result names it
+
+
 def content(section: Live | None) -> dict[str, Any]:
     assert section is not None
     found: dict[str, Any] = json.loads(gzip.decompress(base64.b64decode(section.data)))
@@ -69,26 +72,26 @@ def test_a_bridge_has_its_peaks_and_as_many_motions_as_fit(monkeypatch: pytest.M
     result = shaken(["shen-bilinear-bridge", BRIDGE], motions)
     found = content(live.live_section(result))
     assert found["engine"]["bearings"] == [BRIDGE]
-    assert found["factors"] == {MOTION: 0.5, "jra-ii-ii-1": 1.0}
+    assert found["factors"] == {HALVED: 0.5, "jra-ii-ii-1": 1.0}
     assert [run["motion"] for run in found["runs"]] == [
-        MOTION,
-        MOTION,
+        HALVED,
+        HALVED,
         "jra-ii-ii-1",
         "jra-ii-ii-1",
     ]
     row = result.table[result.table["bearing"] == BRIDGE].iloc[1]
     assert found["runs"][1]["numbers"]["bearing_force_kN"] == row["bearing_force_max_kN"]
     monkeypatch.setattr(live, "MOST_SAMPLES", 150)
-    assert {run["motion"] for run in content(live.live_section(result))["runs"]} == {MOTION}
+    assert {run["motion"] for run in content(live.live_section(result))["runs"]} == {HALVED}
 
 
 def test_a_motion_that_is_cut_within_an_interval_is_sampled_more_finely() -> None:
     found = content(
         live.live_section(shaken(motion={"name": MOTION, "factor": 2.0}, duration=0.995))
     )
-    assert found["factors"] == {MOTION: 1.0}
-    assert found["engine"]["motions"][MOTION]["dt_s"] == 0.005
-    assert found["engine"]["motions"][MOTION]["acceleration_mm_s2"]["shape"] == [200]
+    assert found["factors"] == {f"{MOTION}-x2": 1.0}
+    assert found["engine"]["motions"][f"{MOTION}-x2"]["dt_s"] == 0.005
+    assert found["engine"]["motions"][f"{MOTION}-x2"]["acceleration_mm_s2"]["shape"] == [200]
 
 
 @pytest.mark.parametrize(

@@ -37,7 +37,7 @@ BUILT = {
     ("report/figures.py", "picture_size"): "a constant name, on 4 kB",
     ("commands/common.py", "_as_options"): "names of parameters, on a message",
     ("commands/descriptions.py", "_help_text"): "names of parameters, on docstrings of the package",
-    ("results/screen.py", "_effect"): "words of the package, on a warning",
+    ("report/content.py", "_verdict"): "words of the package, on warnings",
 }
 
 

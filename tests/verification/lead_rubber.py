@@ -82,6 +82,7 @@ class LeadRubber:
             elastic_stiffness=self.stiffness,
             hysteretic_stiffness=self.strength / self.yield_displacement,
             yield_displacement=self.yield_displacement,
+            per_yield_displacement=1.0 / self.yield_displacement,
             unloading_curvature=UNLOADING / self.yield_displacement**2,
         )
         lead = LeadCores(

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 
+VALID_UNTIL = "valid_until_s"  # column of the table of runs
 EARLIER = 1e-9  # [s] by which rounding may move a step
 NEAR = 0.8  # of a limit of axial forces, from which on a warning says so
 LEAST_STEPS = 10.0  # of a period of vertical motion
@@ -449,3 +450,9 @@ def valid_until(result: "EarthquakeResult") -> Floats:
         return np.full(result.runs, np.nan)
     first = rows.groupby("run")["axial_first_s"].min()
     return np.array([float(first.get(name, np.nan)) for name in result.run_names])
+
+
+def with_validity(frame: "pd.DataFrame", result: "EarthquakeResult") -> "pd.DataFrame":
+    """Return the table of runs with the time when they became unstable, if any did."""
+    moments = valid_until(result)
+    return frame.assign(**{VALID_UNTIL: moments}) if np.isfinite(moments).any() else frame

@@ -175,36 +175,11 @@ def _collect_warnings(
     """Return warnings, and how far runs use the rig and the tested ranges, as attributes."""
     rig = _rig_rows(case, tasks, traces)
     messages: list[str] = [*beyond(case.rig, rig)]
-    compared: list[Row] = []
     if tasks:
         messages += implausible_structure(case.structure, tasks[0].prepared)
     motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
     messages += pair_notes(motions, plan=bool(case.structure.plan))
-    # Warnings about bearings: plausibility, tested range, range of the temperature law.
-    of_bearings: list[Warned] = []
-    of_lead: list[Row] = []
-    for bearing, lines_by_run in _bearings(tasks).values():
-        of_bearings += [warning.about(bearing.name) for warning in implausible(bearing)]
-        ranges = calibration_ranges(bearing)
-        rows: list[Row] = []
-        for k, lines in lines_by_run.items():
-            name = _name(tasks[k], bearing.name)
-            reached = _reached(tasks[k], histories[k], lines)
-            rows += compare_with_tests(name, reached, ranges)
-            of_lead += _lead_rows(name, bearing.name, reached, histories[k])
-        # Every earthquake strains faster than the tests: a note of the result states the rate.
-        of_bearings += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
-        compared += rows
-        # Neither bilinear bearings nor blind models use the temperature law.
-        if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
-            runs = [
-                (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
-                for k, lines in lines_by_run.items()
-                for line in lines
-            ]
-            of_bearings += outside_law(
-                bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
-            )
+    of_bearings, compared, of_lead = _warnings_of_bearings(case, tasks, histories, traces)
     # Several bearings that leave the same range are one cause.
     messages += one_per_cause(of_bearings)
     installed = [line.device.bearing for task in tasks for line in task.lines]
@@ -228,6 +203,44 @@ def _collect_warnings(
     row_tables |= exposure_attribute(factors) | state_attribute(states)
     attributes = {name: as_attribute(rows) for name, rows in row_tables.items() if rows}
     return warnings_attributes(messages) | attributes
+
+
+def _warnings_of_bearings(
+    case: EarthquakeCase,
+    tasks: Sequence["Task"],
+    histories: Sequence[StructureHistory],
+    traces: Traces,
+) -> tuple[list[Warned], list[Row], list[Row]]:
+    """Return warnings about bearings, comparisons with their tests, and checks of their lead.
+
+    The warnings are on plausibility, tested range and the range of the temperature law.
+    """
+    of_bearings: list[Warned] = []
+    compared: list[Row] = []
+    of_lead: list[Row] = []
+    for bearing, lines_by_run in _bearings(tasks).values():
+        of_bearings += [warning.about(bearing.name) for warning in implausible(bearing)]
+        ranges = calibration_ranges(bearing)
+        rows: list[Row] = []
+        for k, lines in lines_by_run.items():
+            name = _name(tasks[k], bearing.name)
+            reached = _reached(tasks[k], histories[k], lines)
+            rows += compare_with_tests(name, reached, ranges)
+            of_lead += _lead_rows(name, bearing.name, reached, histories[k])
+        # Every earthquake strains faster than the tests: a note of the result states the rate.
+        of_bearings += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
+        compared += rows
+        # Neither bilinear bearings nor blind models use the temperature law.
+        if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:
+            runs = [
+                (_name(tasks[k]), traces[k]["time"], histories[k].layers(line))
+                for k, lines in lines_by_run.items()
+                for line in lines
+            ]
+            of_bearings += outside_law(
+                bearing.name, bearing.temperature_law, runs, bearing.sources.get(LAW_RANGE, "")
+            )
+    return of_bearings, compared, of_lead
 
 
 def _climate_messages(case: EarthquakeCase) -> list[Warned]:

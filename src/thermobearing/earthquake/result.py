@@ -15,6 +15,7 @@ from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import earlier, measures, tables
+from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
@@ -291,7 +292,7 @@ class EarthquakeResult(DatasetResult):
         if len(self.rig):
             frame["beyond_rig"] = limits_passed(self.rig.to_dict("records"), self.run_names)
         frame["beyond_tested"] = measures.beyond_tested(self)
-        return tables.with_validity(frame, self)
+        return with_validity(frame, self)
 
     @property
     def largest_loops(self) -> "pd.DataFrame":

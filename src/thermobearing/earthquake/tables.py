@@ -15,7 +15,7 @@ from thermobearing.bearing.undecided import UNDECIDED_OF, band, band_text
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures
-from thermobearing.earthquake.axial import axial_table, valid_until
+from thermobearing.earthquake.axial import VALID_UNTIL, axial_table
 from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.earthquake.properties import periods_table
 from thermobearing.quantities.governing import place_of_largest
@@ -91,7 +91,6 @@ BANDED: Final = (  # of what tests do not decide
     "bearing_energy_kN_mm",
     "pier_displacement_max_mm",
 )
-VALID_UNTIL: Final = "valid_until_s"
 RULE: Final = 0.3  # share of the other direction
 PARTS: Final = {
     "line": (
@@ -149,12 +148,6 @@ GOVERNED: Final = {
     "pier ductility": ("pier", "ductility", "pier_ductility"),
     "deck displacement [mm]": ("", "", "deck_displacement_max_mm"),
 }
-
-
-def with_validity(frame: "pd.DataFrame", result: "EarthquakeResult") -> "pd.DataFrame":
-    """Return the table of runs with the time when they became unstable, if any did."""
-    moments = valid_until(result)
-    return frame.assign(**{VALID_UNTIL: moments}) if np.isfinite(moments).any() else frame
 
 
 def _largest(values: "pd.Series[float]") -> float:
