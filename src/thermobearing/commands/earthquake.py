@@ -249,7 +249,7 @@ def _save_after_kill(
     "serve",
     fields(
         "opensees.case:ServedCase",
-        "ambient initial count units rate step",
+        "ambient initial count units rate",
         INPUT,
     ),
     fields("model.options:ModelOptions", "model state", MODEL),

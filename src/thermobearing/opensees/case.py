@@ -68,7 +68,6 @@ class ServedCase(Strict):
     rate : speed [mm/s] at which a static analysis moves the bearing, in [1e-6, 1e6]. Steps without
         any velocity then last as long as this speed needs. By default the time of the model is the
         clock of the bearing in static analyses too, and must advance.
-    step : duration [s] of a step of a client of UT-SIM, which sends no time, in [1e-6, 1e6].
     analysis : how to model the bearing.
     """
 
@@ -80,7 +79,6 @@ class ServedCase(Strict):
     count: Annotated[int, Field(ge=1, le=1000)] = 1
     units: UnitNames = "kN-mm"
     rate: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
-    step: Annotated[float, in_unit("s"), Field(ge=1e-6, le=1e6)] | None = None
     analysis: ModelOptions = ModelOptions()
     sources: dict[str, dict[str, str]] | None = None
 

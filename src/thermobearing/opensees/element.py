@@ -204,9 +204,8 @@ class ServedElement:
         duration, self._time = self._trial_time - self._time, self._trial_time
         if not self._pending:
             return
-        # With rate or step, the duration is not that of the model, and the note would mislead.
-        clocked = self.case.rate is not None or self.case.step is not None
-        if self._static_step and not (clocked or self.note):
+        # With a rate, the duration is not that of the model, and the note would mislead.
+        if self._static_step and self.case.rate is None and not self.note:
             self.note = NO_VELOCITY.format(duration)
         for k, bearing in enumerate(self._bearings):
             bearing.commit()

@@ -68,7 +68,7 @@ class Connection:
         self.client, self.layout, self.tag, self.run = client, layout, tag, run
         self.buffer = bytearray()
         self.since = 0.0  # when the first bytes of an unfinished message arrived
-        self.setup: wire.Setup | wire.UtSim | None = None
+        self.setup: wire.Setup | None = None
         self.element: ServedElement | None = None
         self.lost = False  # receives NaN from now on
         self.answered = False  # whether the last bytes received had an answer
@@ -300,7 +300,6 @@ class Server:
             return False
         if not data:
             cut = f"OpenSees closed it after {len(connection.buffer)} bytes of a message"
-            self._finish(connection)
             self._close(connection, cut if connection.buffer else "")
             return False
         connection.buffer += data
@@ -311,34 +310,29 @@ class Server:
         """Answer complete messages in the buffer; return whether others may be there."""
         buffer = connection.buffer
         if connection.setup is None:
-            if wire.UtSim.sends(buffer):
-                self._begin(connection, wire.UtSim(buffer[: wire.HEADER.size], self.case.step))
-                del buffer[: wire.HEADER.size]
-            elif len(buffer) >= wire.SETUP.size:
-                self._begin(connection, wire.Setup.decode(bytes(buffer[: wire.SETUP.size])))
-                del buffer[: wire.SETUP.size]
-            else:
+            if len(buffer) < wire.SETUP.size:
                 connection.since = connection.since or time.monotonic()
                 return False
+            self._begin(connection, wire.Setup.decode(bytes(buffer[: wire.SETUP.size])))
+            del buffer[: wire.SETUP.size]
         setup, element = connection.setup, connection.element
         assert setup is not None
         assert element is not None
         for _ in range(self._limits.messages):
-            requests = setup.take(buffer)
-            for request in requests:
-                if request.action == Action.END:
-                    self._close(connection, "")
-                    return False
-                self._answer(connection, element, request, setup)
-            if not requests:
+            request = setup.take(buffer)
+            if request is None:
                 connection.since = time.monotonic() if buffer else 0.0
                 return False
+            if request.action == Action.END:
+                self._close(connection, "")
+                return False
+            self._answer(connection, element, request, setup)
             if connection.outgoing:
                 break
         connection.since = 0.0
         return bool(buffer)
 
-    def _begin(self, connection: Connection, setup: wire.Setup | wire.UtSim) -> None:
+    def _begin(self, connection: Connection, setup: wire.Setup) -> None:
         """Begin to serve an element whose sizes are known."""
         layout = connection.layout
         connection.setup = setup
@@ -357,12 +351,12 @@ class Server:
         connection: Connection,
         element: ServedElement,
         request: wire.Request,
-        setup: wire.Setup | wire.UtSim,
+        setup: wire.Setup,
     ) -> None:
         """Carry out one request; NaN answers a step that fails, so that OpenSees tries another."""
         connection.answered = request.action not in wire.SILENT
         if request.action in wire.ZERO:
-            self._send(connection, setup.reply([], request.action))
+            self._send(connection, setup.reply([]))
             return
         try:
             values = element.answer(request)
@@ -371,7 +365,7 @@ class Server:
                 self.note(connection, str(error))
             else:
                 raise StepError(f"OpenSees committed a step that had failed: {error}") from None
-            self._send(connection, setup.nothing(request.action))
+            self._send(connection, setup.without_result())
             return
         if element.note:
             self.note(connection, element.note)
@@ -380,7 +374,7 @@ class Server:
         assert values is not None
         if not finite(values):
             raise StepError(f"the answer to {request.action.name} is not finite")
-        self._send(connection, setup.reply(values, request.action))
+        self._send(connection, setup.reply(values))
 
     def _send(self, connection: Connection, data: bytes) -> None:
         """Send an answer; what does not fit into the buffer of the system is sent later."""
@@ -406,14 +400,6 @@ class Server:
         if not connection.outgoing:
             connection.backlog = bool(connection.buffer)
             self._update_events(connection)
-
-    @staticmethod
-    def _finish(connection: Connection) -> None:
-        """Commit the last step of a client that does not do so itself, unless it failed."""
-        if connection.setup is not None and connection.element is not None:
-            with contextlib.suppress(StepError):
-                for request in connection.setup.finish():
-                    connection.element.answer(request)
 
     def _update_events(self, connection: Connection) -> None:
         """Wait for those events of a connection that its state needs, or put it in the backlog."""

@@ -7,8 +7,6 @@ the displacements, velocities and accelerations of all degrees of freedom in the
 `-dof` lists, and the time of the domain. A reply holds a vector of forces, or a matrix by columns.
 `SET_TRIAL`, `COMMIT` and `END` have no reply.
 
-`UtSim` is another format with the same action codes, of the framework UT-SIM.
-
 The format is that of OpenSees 3.7 (`SRC/element/generic/GenericClient.cpp`,
 `SRC/actor/channel/TCP_Socket.cpp`); the client of xara is the same.
 """
@@ -94,25 +92,21 @@ class Setup(NamedTuple):
             )
         return cls(n, size)
 
-    def take(self, buffer: bytearray) -> "list[Request]":
-        """Remove a message from the buffer and return its request; none while it is incomplete."""
+    def take(self, buffer: bytearray) -> "Request | None":
+        """Remove a message from the buffer and return its request; None while it is incomplete."""
         if len(buffer) < self.length:
-            return []
+            return None
         request = Request.decode(buffer, self)
         del buffer[: self.length]
-        return [request]
+        return request
 
-    def reply(self, values: Sequence[float] | NDArray[np.float64], action: "Action") -> bytes:
-        """Return the answer to an action."""
+    def reply(self, values: Sequence[float] | NDArray[np.float64]) -> bytes:
+        """Return the answer with a vector or a matrix; without values, zeros."""
         return encode_reply(values, self) if len(values) else bytes(self.length)
 
-    def nothing(self, _: "Action") -> bytes:
+    def without_result(self) -> bytes:
         """Return an answer of NaN."""
         return b"\xff" * self.length  # a double with all bits set is NaN
-
-    def finish(self) -> "list[Request]":
-        """Return what remains to be done when the client has left."""
-        return []
 
 
 class Request(NamedTuple):
@@ -152,105 +146,6 @@ class Request(NamedTuple):
     def finite(self) -> bool:
         """Whether displacements and time are finite; velocities and accelerations are not used."""
         return math.isfinite(self.time) and all(map(math.isfinite, self.displacement))
-
-
-HEADER = struct.Struct(">6B3HI")
-STEPS = 1 << 16  # after which the numbers of steps begin again
-DISPLACEMENTS, FORCES = 1, 8  # bits of the content of a message
-
-
-class UtSim:
-    """The messages of a client of UT-SIM, such as its user element for Abaqus.
-
-    Each begins with a header of 16 bytes: version, command, type of test, type of substructure,
-    precision (1: four bytes, 2: eight bytes) and content (a bit each for displacements, velocities,
-    accelerations and forces) of one byte each; numbers of degrees of freedom and of the step and a
-    reserved one of two bytes, and a time stamp of four, the first byte being the highest. A command
-    is a header alone. After `SET_TRIAL`, displacements follow in a message of their own; answers
-    repeat the header. There is no message for a commit, and no time: a new number of the step
-    commits the last trial, and all steps have the same duration.
-
-    The format is that of version 2.0.1 (DataExchange, Xu Huang, University of Toronto, 2021).
-    """
-
-    def __init__(self, first: bytes | bytearray, dt: float | None) -> None:
-        self._header: tuple[int, ...] = HEADER.unpack(first)
-        self.dofs, precision = self._header[6], self._header[4]
-        if dt is None:
-            raise WireError(
-                "a client of UT-SIM sends no time: give the duration of its steps, step, in s"
-            )
-        if precision not in (1, 2) or not 1 <= self.dofs <= MOST_DOFS:
-            raise WireError(
-                f"a client of UT-SIM has {self.dofs} degrees of freedom of precision "
-                f"{precision}: must be 1 to {MOST_DOFS} of precision 1 or 2"
-            )
-        self._dt, self._code = dt, "<f4" if precision == 1 else "<f8"
-        self._step: int | None = None
-        self._time = 0.0
-        self._x = [0.0] * self.dofs
-        self._data_follow = False
-
-    @staticmethod
-    def sends(data: bytes | bytearray) -> bool:
-        """Return whether bytes begin like those of UT-SIM; in genericClient the third is zero."""
-        return len(data) >= HEADER.size and data[1] == 0 and 1 <= data[2] <= 5 and 1 <= data[3] <= 8
-
-    def _request(self, action: Action) -> Request:
-        zeros = [0.0] * self.dofs
-        return Request(action, self._x, zeros, zeros, self._time)
-
-    def take(self, buffer: bytearray) -> list[Request]:
-        """Remove messages from the buffer until one is a request, and return its content."""
-        item = np.dtype(self._code).itemsize
-        while len(buffer) >= (length := HEADER.size + self._data_follow * self.dofs * item):
-            self._header = HEADER.unpack_from(buffer)
-            data = np.frombuffer(bytes(buffer[HEADER.size : length]), self._code)
-            del buffer[:length]
-            command, number = self._header[1], self._header[7]
-            if self._data_follow:
-                self._data_follow = False
-                return self._move(data.tolist(), number)
-            if command == Action.SET_TRIAL:
-                self._data_follow = True
-            elif command == Action.END:
-                return [*self.finish(), self._request(Action.END)]
-            elif command in (Action.FORCE, Action.INITIAL_STIFFNESS):
-                return [self._request(Action(command))]
-            else:
-                raise WireError(f"{command} is not a command of UT-SIM's elements")
-        return []
-
-    def _move(self, x: list[float], number: int) -> list[Request]:
-        """Return a trial, after the commit of the last step if this is another one."""
-        # The number of the step has 16 bits and begins again: the difference modulo 2^16 counts.
-        requests = [] if number == self._step else self.finish()
-        self._time += self._dt * (1 if self._step is None else (number - self._step) % STEPS)
-        self._step, self._x = number, x
-        return [*requests, self._request(Action.SET_TRIAL)]
-
-    def reply(self, values: Sequence[float] | NDArray[np.float64], action: Action) -> bytes:
-        """Return the answer to an action, with the content that the client wants."""
-        content = self._header[5]
-        numbers = np.ravel(values)
-        if action == Action.FORCE:
-            if content not in (FORCES, FORCES | DISPLACEMENTS):
-                raise WireError(
-                    f"a client of UT-SIM wants the content {content:#b}: must be forces, "
-                    "or displacements and forces"
-                )
-            if content & DISPLACEMENTS:
-                numbers = np.concatenate([self._x, numbers])
-        return HEADER.pack(*self._header) + numbers.astype(self._code).tobytes()
-
-    def nothing(self, action: Action) -> bytes:
-        """Return an answer of NaN."""
-        count = self.dofs**2 if action in MATRICES else self.dofs
-        return self.reply(np.full(count, np.nan), action)
-
-    def finish(self) -> list[Request]:
-        """Return the commit of the last step, which no message commits."""
-        return [] if self._step is None else [self._request(Action.COMMIT)]
 
 
 def encode_reply(values: Sequence[float] | NDArray[np.float64], setup: Setup) -> bytes:
