@@ -27,6 +27,7 @@ from thermobearing.earthquake.properties import (
     line_properties,
     link_text,
     motions_for_mean,
+    nominal_stiffness,
     periods_table,
 )
 from thermobearing.earthquake.report import build_pieces
@@ -117,6 +118,16 @@ def two_lines(bearing: str, *, other: str | None = None) -> EarthquakeResult:
     lines = [{"line": "on A", "bearing": other}] if other else []
     settings = {"structure": structure, "lines": lines}
     return tb.bridge(bearing, ambient=[23.0, -20.0], **MOTION, **settings)
+
+
+def test_the_nominal_stiffness_is_that_of_the_structure(pier: EarthquakeResult) -> None:
+    """2615.3 N/mm of pier P1, whichever bearing runs; of lines that differ the range."""
+    assert nominal_stiffness(pier) == "2.62 kN/mm"
+    table = two_piers()
+    table["bearings"][0]["equivalent_stiffness"] = "3 kN/mm"
+    structure = validated(Structure, table, "test")
+    result = tb.bridge("lrb-example", ambient=23.0, structure=structure, **MOTION)
+    assert nominal_stiffness(result) == "2.6 to 3 kN/mm"
 
 
 @pytest.mark.parametrize(("name", "kind"), quick_cases([("lrb-example", ""), (LHDR, "LHDR")], 1))

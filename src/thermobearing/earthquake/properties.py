@@ -334,11 +334,26 @@ def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.
     return pd.DataFrame(rows)
 
 
+def _analysed_structure(result: "EarthquakeResult") -> tuple[Structure, dict[str, Any]]:
+    """Return the structure of a result and the table `analysis` of its case."""
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    return validated(Structure, case["structure"], "structure"), case["analysis"]
+
+
+def nominal_stiffness(result: "EarthquakeResult") -> str:
+    """Return the stiffness [kN/mm] of one bearing in the modes of a result, or its range, as text.
+
+    It is what the structure states for its lines, whichever bearing and temperature a run has.
+    """
+    structure, _ = _analysed_structure(result)
+    stiffnesses = [line.equivalent_stiffness for line in structure.bearings]
+    texts = dict.fromkeys(f"{value:.3g}" for value in (min(stiffnesses), max(stiffnesses)))
+    return f"{' to '.join(texts)} kN/mm"
+
+
 def _prepared_structure(result: "EarthquakeResult") -> Prepared:
     """Return the structure of a result with its matrices and modes, as it was analysed."""
-    case = tomllib.loads(str(result.dataset.attrs["case"]))
-    structure = validated(Structure, case["structure"], "structure")
-    analysis = case["analysis"]
+    structure, analysis = _analysed_structure(result)
     return prepare_structure(structure, analysis.get("mass", "consistent"), analysis.get("damping"))
 
 

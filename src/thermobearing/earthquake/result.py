@@ -17,6 +17,7 @@ from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import earlier, measures, tables
 from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
+from thermobearing.earthquake.properties import nominal_stiffness
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
@@ -588,7 +589,9 @@ class EarthquakeResult(DatasetResult):
         damped = _numbers(attrs.get("damping_ratios", []))[:SHOWN_MODES]
         ratios = ", ".join(f"{value:.1%}" for value in damped)
         direction = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
-        say(f"periods{direction} {periods} s with equivalent stiffness{remark}")
+        if modes:
+            nominal = f"its nominal bearing stiffness, {nominal_stiffness(self)}, used for damping"
+            say(f"periods{direction} {periods} s{remark}, of the structure with {nominal}")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
             say(attrs["surroundings"])
