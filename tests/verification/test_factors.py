@@ -14,10 +14,12 @@ from tests.conftest import Recorder
 from tests.opensees import needs_opensees, ops
 from tests.quick import quick_cases
 from tests.unit.inputs import assert_mentions, assert_refused, command
+from thermobearing.cyclic.protocol import CyclicTest
 from thermobearing.design import codes
 from thermobearing.design.bounds import bound_models, opensees_text
 from thermobearing.design.factors import (
     _chosen_cycles,
+    factors_at_speed,
     scale_study,
     scaled_bearing,
     temperature_factors,
@@ -86,6 +88,25 @@ def test_values_are_those_of_a_run(table: pd.DataFrame) -> None:
     assert_allclose(
         [energy["first"], energy["heated"], energy["mean"]], [cycles[0], cycles[2], cycles.mean()]
     )
+
+
+@pytest.mark.parametrize("options", [{}, {"speed": 30.0}])
+def test_the_rise_of_the_lead_is_that_of_the_first_cycle(options: dict[str, Any]) -> None:
+    """Of a run of one cycle; a bearing without lead has none."""
+    compute = factors_at_speed if options else temperature_factors
+    bearing = tb.load_bearing("lrb-example")
+    common: dict[str, Any] = {"reference_temperature": 20.0, "temperatures": [-20.0]}
+    table = compute([bearing], strains=[1.0], **common, **options)
+    period = 4.0 * bearing.total_rubber_thickness / 30.0 if options else 2.0
+    step = {"step": "cycles", "strain": 1.0, "wave": "sine", "period": period, "count": 1}
+    test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step])
+    for row in table.attrs["lead_rises"]:
+        lead = tb.run(bearing, test, row["ambient_degC"])["lead_temperature"].values[0]
+        assert row["lead_rise_K"] == pytest.approx(lead[-1] - row["ambient_degC"], rel=1e-6)
+        assert row["lead_rise_K"] > 5.0
+    assert [row["ambient_degC"] for row in table.attrs["lead_rises"]] == [20.0, -20.0]
+    rubber = temperature_factors("shen-hdr-bridge", strains=[1.0], **common)
+    assert rubber.attrs["lead_rises"] == []
 
 
 @pytest.mark.parametrize(("reference", "other"), [(-0.0, -0.0), (1e-9, -0.0), (-0.0, 20.0)])

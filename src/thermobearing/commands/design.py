@@ -142,7 +142,11 @@ def _lambda(
     ],
     end: Ending,
     cycles: Annotated[
-        str, option(help="Cycles to average: 3, 1-3, 2-11, all-but-first, or a list such as 2,3,4.")
+        str,
+        option(
+            help="Cycles to average: 3, 1-3, 2-11, all-but-first, or a list such as 2,3,4. The "
+            "first cycle, too, contains the heating within it."
+        ),
     ] = "1-3",
     samples: Annotated[int, option(help="Number of samples taken from the posterior.")] = 400,
 ) -> Answer:

@@ -70,9 +70,9 @@ def temperature_factors(
     """Return K_eq, Q_d, K_d, h_eq and energy relative to those at a reference temperature.
 
     The coupled model runs sine cycles from a soaked state at each temperature. Basis "first" is the
-    first cycle; "heated" the last of the chosen cycles, with self-heating until then; "mean" the
-    mean over the chosen cycles. Every factor is relative to the same basis at the reference
-    temperature.
+    first cycle, in which rubber and lead already heat up; "heated" the last of the chosen cycles,
+    with self-heating until then; "mean" the mean over the chosen cycles. Every factor is relative
+    to the same basis at the reference temperature.
 
     Parameters
     ----------
@@ -91,7 +91,8 @@ def temperature_factors(
     -------
     DataFrame : strain, basis, ambient_degC, quantity, unit, value, factor, factor_low,
         factor_high (these two NaN for one bearing), beyond_tested (quantities outside the
-        calibration range of the first).
+        calibration range of the first). With lead cores its `attrs["lead_rises"]` are rows of
+        strain, ambient_degC and lead_rise_K, of the first bearing in its first cycle.
 
     Raises
     ------
@@ -117,8 +118,9 @@ def temperature_factors(
         [_measured(item, ambient, strain, period, numbers, options) for strain in strains]
         for item in bearings
     ]
-    tested = [row for _, rows in parts[0] for row in rows]
-    tables = [pd.concat([table for table, _ in strain_parts]) for strain_parts in parts]
+    tested = [row for table in parts[0] for row in table.attrs["tested_range"]]
+    lead_rises = [row for table in parts[0] for row in table.attrs["lead_rises"]]
+    tables = [pd.concat(strain_parts) for strain_parts in parts]
     keys = ["strain", "basis", "ambient_degC", "quantity"]
     # Each bearing is divided by its own value at the reference temperature, so that the band is
     # that of the factors and not of the values.
@@ -139,6 +141,7 @@ def temperature_factors(
     factors = factors.reset_index().sort_values(
         ["strain", "quantity", "basis", "ambient_degC"], ignore_index=True
     )
+    factors.attrs["lead_rises"] = lead_rises
     return _with_extrapolated_bands(_with_tested(factors, tested), tested)
 
 
@@ -172,7 +175,9 @@ def factors_at_speed(
         for s in strains
     ]
     tested = [row for part in parts for row in part.attrs["tested_range"]]
-    return _with_tested(pd.concat(parts, ignore_index=True), tested)
+    table = pd.concat(parts, ignore_index=True)
+    table.attrs["lead_rises"] = [row for part in parts for row in part.attrs["lead_rises"]]
+    return _with_tested(table, tested)
 
 
 def rate_bands(
@@ -244,8 +249,11 @@ def _measured(
     period: float,
     numbers: tuple[int, ...],
     options: dict[str, Any],
-) -> "tuple[pd.DataFrame, list[Row]]":
-    """Return values at one strain, by basis, temperature and quantity, and its tested range."""
+) -> "pd.DataFrame":
+    """Return values at one strain, by basis, temperature and quantity.
+
+    Its `attrs` have the rows `tested_range` and `lead_rises`, which is empty without lead.
+    """
     step = {"step": "cycles", "strain": float(strain), "wave": "sine", "period": float(period)}
     test = CyclicTest(dt=min(0.01, period / 200.0), steps=[step | {"count": max(numbers)}])
     result = run(bearing, test, ambient, keep=["rubber"], **options)
@@ -282,7 +290,16 @@ def _measured(
     tested = result.tested_range.to_dict("records")
     # Runs of several strains have the same ambient temperatures: their names need the strain.
     names = {run_name(t): _run_label(strain, t) for t in ambient}
-    return table, [{**row, "run": names[row["run"]]} for row in tested]
+    table.attrs["tested_range"] = [{**row, "run": names[row["run"]]} for row in tested]
+    table.attrs["lead_rises"] = []
+    if result.has_lead:
+        lead = cycles.loc[cycles["cycle"] == 1].set_index("ambient_degC")["lead_degC"]
+        starts = result["lead_temperature"].values[:, 0]
+        table.attrs["lead_rises"] = [
+            {"strain": float(strain), "ambient_degC": t, "lead_rise_K": float(lead[t] - start)}
+            for t, start in zip(ambient, starts, strict=True)
+        ]
+    return table
 
 
 def _run_label(strain: float, temperature: float) -> str:

@@ -487,6 +487,7 @@ class FactorReport(Result):
             "codes": [item.model_dump() for item in codes.published().codes],
             "reasons": codes.reasons(compared, self.strength_share),
             "factors": self.table.to_dict("records"),
+            "lead_rises": self.table.attrs.get("lead_rises", []),
             "bands": self.bands.to_dict("records"),
             "state": None if self.state is None else self.state.describe(),
             "states": self.states.to_dict("records"),

@@ -13,7 +13,7 @@ from thermobearing.design.peaks import COLLECTED
 from thermobearing.quantities.governing import least_by
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.quantities.words import counted, degrees, printed_unit, tidy
+from thermobearing.quantities.words import counted, degrees, joined, printed_unit, tidy
 from thermobearing.reported import checks_table
 from thermobearing.results.ranges import MARKED
 
@@ -175,9 +175,20 @@ def _factors_table(summary: Summary) -> Table:
         outside = " ".join(str(row.get("beyond_tested") or "") for row in factors if row).split()
         marked |= {(line_number, 0)} if {"strain", "strain_rate"} & set(outside) else set()
     notes = [
-        "first: the first cycle; heated: the last cycle, after self-heating; mean: the mean of "
-        "the cycles."
+        "first: the first cycle, with the heating within it; heated: the last cycle, after "
+        "self-heating; mean: the mean of the cycles."
     ]
+    # The largest strain is that of the bounds and of the comparison with codes.
+    strain = max(row["strain"] for row in rows)
+    rises = {
+        float(row["ambient_degC"]): row["lead_rise_K"]
+        for row in summary.get("lead_rises", [])
+        if row["strain"] == strain
+    }
+    if rises:
+        parts = [f"{rises[t]:.0f} K at {degrees([t])}" for t in sorted(rises)]
+        shear = f"{100.0 * strain:g} %"
+        notes.append(f"Rise of the lead in the first cycle of {shear}: {joined(parts)}.")
     if bands:
         notes.append(BAND.format(summary["samples"]))
     if marked:

@@ -515,7 +515,10 @@ function showCodes() {
   runs = runs ?? computeTest();
   const [cold, warm] = [codesRun(state.ambient), codesRun(state.reference)];
   const values = { t: degrees(state.ambient), r: degrees(state.reference), s: 100 * CODES.strain, p: 1 / CODES.frequency_hz };
-  el("codes-words").textContent = t("codes_words", values);
+  const leadRise = (run, start) => short(run.cycles[0].lead_temperature - start, 2);
+  const hasLead = cold.cycles.length && warm.cycles.length && cold.cycles[0].lead_temperature !== null;
+  const heating = hasLead ? t("codes_lead", { ...values, a: leadRise(cold, state.ambient), b: leadRise(warm, state.reference) }) : "";
+  el("codes-words").textContent = t("codes_words", { ...values, h: heating });
   if (cold.cycles.length && warm.cycles.length) {
     const shown = [...Object.entries(NAMES).map(([symbol, name]) => [name, symbol]), ["energy_kN_mm", t("energy")]];
     const factor = (name, at) => cold.cycles.at(at)[name] / warm.cycles.at(at)[name];
