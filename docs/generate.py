@@ -102,6 +102,7 @@ def number(value: float | None, unit: str) -> str:
 
 
 HEADLINE = "jra-ii-i-1"  # the motion of the headline, one of those of ground I
+LEAD_BEARING = "shen-lhdr-bridge"  # of the headline, its picture and README's bridge
 
 
 def headline_sentence() -> str:
@@ -109,7 +110,7 @@ def headline_sentence() -> str:
     import thermobearing as tb
 
     motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    table = tb.bridge("shen-lhdr-bridge", motions, ambient=[23, -20]).table
+    table = tb.bridge(LEAD_BEARING, motions, ambient=[23, -20]).table
     ratios = []
     for name in ("bearing_force_max_kN", "pier_moment_max_kN_m"):
         peaks = table.pivot(index="motion", columns="ambient_degC", values=name)
@@ -117,7 +118,8 @@ def headline_sentence() -> str:
     force, moment = (f"{ratio[HEADLINE]:.0f} %" for ratio in ratios)
     forces, moments = (f"{ratio.min():.0f} to {ratio.max():.0f} %" for ratio in ratios)
     return (
-        "In the same earthquake, high-damping rubber bearings with lead cores transmit "
+        "In the same earthquake, high-damping rubber bearings with lead cores "
+        f"(`{LEAD_BEARING}`) transmit "
         f"{force} more force at -20 °C than at 23 °C, and the bending moment at the base of the "
         f"bridge pier is {moment} larger ({forces} and {moments} in the {len(motions)} built-in "
         "motions of ground I). An analysis with the properties at 23 °C shows neither."
@@ -127,19 +129,19 @@ def headline_sentence() -> str:
 FORCE, STRAIN = "bearing_force_max_kN", "bearing_strain_max"
 
 
-def virgin_sentence() -> str:
-    """Return what virgin rubber does to the default bridge, with its range by motion."""
+def bullets_on_library() -> str:
+    """Return what virgin rubber does to the default bridge, and how far its rates leave tests."""
     import thermobearing as tb
 
     motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    bearings = ["shen-hdr-bridge", "shen-lhdr-bridge"]
+    bearings = ["shen-hdr-bridge", LEAD_BEARING]
     states = ("tested", "virgin")
+    results = [tb.bridge(bearings, motions, [23, -20], state=state) for state in states]
     tested, virgin = (
-        tb.bridge(bearings, motions, [23, -20], state=state).table.set_index(
-            ["bearing", "ambient_degC", "motion"]
-        )
-        for state in states
+        result.table.set_index(["bearing", "ambient_degC", "motion"]) for result in results
     )
+    limits = results[0].tested_range
+    rates = limits[limits["limit"] == "strain_rate"]
     changes = (100.0 * (virgin[[FORCE, STRAIN]] / tested[[FORCE, STRAIN]] - 1.0)).sort_index()
     parts = []
     for bearing, words in zip(bearings, ("HDR", "LHDR"), strict=True):
@@ -153,7 +155,10 @@ def virgin_sentence() -> str:
         "how much is assumed from one real test (`--state virgin`, "
         "[how-to](docs/guide/bridge.md#virgin-and-recovered-rubber)). On pier P1 in the "
         f"{len(motions)} built-in motions of ground I: {'; '.join(parts)}; pier ductility up to "
-        f"{ductile[1]:.2f}, {ductile[0]:.2f} with tested rubber."
+        f"{ductile[1]:.2f}, {ductile[0]:.2f} with tested rubber.\n"
+        f"* Strain rates reach {rates['demand'].max():.0f}/s in these motions, "
+        f"{rates['largest'].min():.2g} to {rates['largest'].max():.2g}/s in the tests of these "
+        "bearings: the force at the rates of earthquakes is extrapolated."
     )
 
 
@@ -197,7 +202,7 @@ def validated_rows(measured: list[dict[str, str]]) -> str:
 def readme_text(old: str, measured: list[dict[str, str]]) -> str:
     """Return README with its generated parts written anew."""
     text = between(old, "headline", headline_sentence())
-    text = between(text, "virgin", virgin_sentence())
+    text = between(text, "virgin", bullets_on_library())
     return between(text, "validated", validated_rows(measured))
 
 
