@@ -385,6 +385,33 @@ def test_every_view_is_usable(opened: Any) -> None:
         assert grave_faults(opened) == []
 
 
+@pytest.mark.parametrize("opened", [{"viewport": NARROW}], indirect=True)
+def test_a_table_broader_than_the_screen_says_so(opened: Any) -> None:
+    """The table of the cycles of a bearing with lead is; on a broad screen it is not."""
+    opened.locator("#base").select_option("shen-lhdr-bridge")
+    settle(opened)
+    hint = opened.locator(".sideways:has(+ .scroll > #cycles)")
+    hint.wait_for(state="visible")
+    opened.set_viewport_size({"width": 1200, "height": 900})
+    hint.wait_for(state="hidden")
+
+
+def test_the_factors_state_the_rise_of_the_lead(opened: Any) -> None:
+    """Those that Python has, in the same test; no rise without lead."""
+    opened.locator("#tab-codes").click()
+    opened.locator("#base").select_option("shen-hdr-bridge")
+    settle(opened)
+    assert " K at" not in opened.locator("#codes-words").inner_text()
+    opened.locator("#base").select_option("lrb-example")
+    settle(opened)
+    table = tb.temperature_factors(
+        "lrb-example", reference_temperature=23.0, temperatures=[-20.0], strains=[1.0]
+    )
+    shown = re.findall(r"by ([\d.]+) K at", opened.locator("#codes-words").inner_text())
+    rises = {row["ambient_degC"]: row["lead_rise_K"] for row in table.attrs["lead_rises"]}
+    assert [float(text) for text in shown] == [round(rises[-20.0]), round(rises[23.0])]
+
+
 def test_keys_move_the_slider_and_the_loops(opened: Any) -> None:
     before, drawn = cells(opened), redrawn(opened)
     opened.locator("#slider").focus()

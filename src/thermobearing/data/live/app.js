@@ -1,6 +1,6 @@
 // The live page: a state, what the engine computes from it, and the views that show it.
 import { createEngine, unpacked } from "./engine.js";
-import { Chart, drawLines, drawStack, fillTable, fixed, partsOf, put, short } from "./draw.js";
+import { Chart, drawLines, drawStack, fillTable, fixed, partsOf, put, short, watchBroadTables } from "./draw.js";
 
 const MOST_CYCLES = 100; // and steps that are computed while a slider moves
 const MOST_STEPS = 400_000;
@@ -961,6 +961,7 @@ async function begin() {
   showWords();
   showControls();
   listen();
+  watchBroadTables();
   showView(state.view);
 }
 begin();

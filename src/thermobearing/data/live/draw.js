@@ -426,3 +426,11 @@ export function fillTable(table, heads, rows) {
   }
   table.replaceChildren(head, body);
 }
+
+/** Mark the boxes whose table is broader than they are, now and after each change of a size. */
+export function watchBroadTables() {
+  const observer = new ResizeObserver(() => {
+    for (const box of document.querySelectorAll(".scroll")) box.classList.toggle("broad", box.scrollWidth > box.clientWidth + 1);
+  });
+  for (const part of document.querySelectorAll(".scroll, .scroll > table")) observer.observe(part);
+}
