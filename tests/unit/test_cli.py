@@ -326,6 +326,17 @@ def test_progress_without_a_terminal_is_a_few_lines(capsys: pytest.CaptureFixtur
     assert shown == ["stepping: 10 of 100, about 90 s left", "stepping: 70 of 100, about 30 s left"]
 
 
+def test_a_few_runs_say_nothing_about_the_rest(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of 1152 runs, 32 have ended after 10 s and 400 after 70 s."""
+    now = [0.0]
+    lines = ProgressLines("runs", clock=lambda: now[0])
+    for second, done in ((1.0, 16), (10.0, 32), (70.0, 400)):
+        now[0] = second
+        lines.show(done, 1152)
+    shown = capsys.readouterr().err.splitlines()
+    assert shown == ["runs: 32 of 1152", "runs: 400 of 1152, about 2 minutes left"]
+
+
 def test_the_start_of_a_command_is_not_taken_for_the_rate(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

@@ -252,11 +252,21 @@ def test_structures(method: Method, shake: dict[str, object]) -> None:
 def test_studies_count_melted_lead_as_failed_and_name_it_first() -> None:
     outcomes = ["completed", *["pier_beyond_limit"] * 3, MELTED, "completed"]
     table = pd.DataFrame({"run": range(6), "outcome": outcomes, "sentence": "", "demand": 1.0})
+    table["pier_ductility"] = 1.0
     failures = count_failures(table)
     assert failures["outcome"].tolist() == [MELTED, "pier_beyond_limit"]
     assert failures["runs"].tolist() == [1, 3]
-    assert counted(table, "demand").left_out == 1  # all else of a pier was computed
-    assert counted(table, "demand", "collapse").collapsed == 4
+    # The hinge law is not valid beyond the limits of the pier, nor is what else was computed.
+    for demand, failed, counts in (
+        ("demand", "left-out", (4, 0)),
+        ("demand", "collapse", (0, 4)),
+        ("pier_ductility", "left-out", (1, 3)),
+        ("pier_ductility", "collapse", (0, 4)),
+    ):
+        runs = counted(table, demand, failed)
+        assert (runs.left_out, runs.collapsed) == counts, (demand, failed)
+        assert np.isfinite(runs.demand).sum() == 2
+        assert f"4 of {len(table)} runs failed" in runs.sentence
 
 
 def test_validation(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from numpy.testing import assert_array_equal
 from thermobearing.border.units import conversion
 from thermobearing.quantities import register
 from thermobearing.quantities.register import Quantity
-from thermobearing.quantities.tables import make_table
+from thermobearing.quantities.tables import Table, make_table
 from thermobearing.results.screen import show_table
 from thermobearing.results.writing import json_line, write_csv
 
@@ -107,6 +107,16 @@ def test_marks_and_failed_runs(capsys: pytest.CaptureFixture[str]) -> None:
     assert table.failed == {1}
     show_table(table)
     assert "300!" in capsys.readouterr().out
+
+
+def test_sentences_follow_their_table(capsys: pytest.CaptureFixture[str]) -> None:
+    """A column of sentences is as wide as the longest one, and no screen has so much room."""
+    sentence = "A pier exceeded its limits. " * 10
+    heads = [Quantity("Outcome"), Quantity("Explanation"), Quantity("Runs", form="d")]
+    show_table(Table("Failed runs", heads, [["beyond", sentence, 35], ["torn", "short", 4]]))
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[2:5] == ["Outcome  Runs", "beyond     35", "torn        4"]
+    assert lines[5:] == [f"beyond: {sentence}", "torn: short"]
 
 
 def test_a_key_with_one_value_is_stated_in_the_caption() -> None:

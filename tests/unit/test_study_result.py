@@ -29,17 +29,17 @@ from thermobearing.results import drawing
 from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import AMBIENT, Plan
-from thermobearing.studies.report import _input_tables, build_pieces
-from thermobearing.studies.result import (
+from thermobearing.studies.question import (
     Question,
     SiteHazard,
-    StudyResult,
     _make_question,
     change_question,
+    describe_kept,
     load_question,
     save_question,
-    study_result,
 )
+from thermobearing.studies.report import _input_tables, build_pieces
+from thermobearing.studies.result import StudyResult, study_result
 from thermobearing.studies.run.engine import repeat_run
 from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.statistics.demand import in_classes, worst_runs
@@ -262,6 +262,85 @@ def beyond_limit() -> StudyResult:
     outcome = result.table["outcome"].replace("not_converged", "pier_beyond_limit")
     table = result.table.assign(outcome=outcome)
     return StudyResult(table, result.study, result.manifest, "out/p1")
+
+
+def test_runs_of_a_pier_beyond_its_limits_are_no_results_of_the_bearing() -> None:
+    result = beyond_limit()
+    strained = result.table.assign(bearing_strain_max=result.table["PGA_m_s2"] / 4.0)
+    result = StudyResult(strained, result.study, result.manifest, "out/p1")
+    part = ask(result, demand="bearing_strain_max", capacity=1.0).parts()["shen-hdr-bridge"]
+    assert part.failed > 0
+    for failed, counts in (("left-out", (part.failed, 0)), ("collapse", (0, part.failed))):
+        curve = part.fragility(1.0, "bearing_strain_max", failed=failed, samples=5)  # type: ignore[arg-type]
+        assert (curve.left_out, curve.collapsed) == counts
+        assert curve.sentence.startswith(f"{part.failed} of {part.runs} runs failed")
+        assert curve.runs == part.runs - curve.left_out
+    assert f"{part.failed} of {part.runs} runs failed and are left out" in part.warnings[0]
+    of_pier = part.fragility(1.0, "pier_ductility", samples=5)
+    assert (of_pier.left_out, of_pier.collapsed) == (0, part.failed)
+
+
+def test_runs_of_a_pier_beyond_its_limits_are_ranked_by_a_demand_of_the_pier() -> None:
+    whole = beyond_limit()
+    ductility = whole.table["pier_ductility"].fillna(3.3 + 0.01 * whole.table["run"])
+    strain = whole.table["PGA_m_s2"] / 4.0
+    table = whole.table.assign(pier_ductility=ductility, bearing_strain_max=strain)
+    result = StudyResult(table, whole.study, whole.manifest, "out/p1")
+    failed = table[table["outcome"] == "pier_beyond_limit"]["run"]
+    worst = result.worst(3)["run"].tolist()
+    assert worst == [*failed.tolist()[::-1][:3], failed.min()]
+    assert result.worst(result.runs)["run"].is_unique
+    by_strain = result.worst(3, "bearing_strain_max")
+    assert by_strain["outcome"].tolist() == ["completed"] * 3 + ["pier_beyond_limit"]
+
+
+def test_a_cloud_that_contradicts_its_runs_is_a_warning() -> None:
+    result = ask(drawn(paired=False), capacity=1.0, method="cloud")
+    kinked = result.table.assign(
+        pier_ductility=result.table["pier_ductility"] ** np.where(result.table["scale"] > 0, 4.0, 1)
+    )
+    kinked["pier_ductility"] = np.where(
+        kinked["PGA_m_s2"] > 11.0, 1.2, 0.01 * result.table["pier_ductility"]
+    )
+    wrong = StudyResult(kinked, result.study, result.manifest, question=result.question)
+    codes = [getattr(text, "code", "") for text in wrong.warnings]
+    assert codes == ["cloud_misfit"]
+    by_stripes = StudyResult(
+        kinked, result.study, {}, question=Question(capacity=1.0, method="stripes")
+    )
+    assert by_stripes.warnings == []
+
+
+def test_the_table_of_fragility_has_a_row_over_the_climate() -> None:
+    """All temperatures together, as the annual rates have it."""
+    of_all = ask(drawn(paired=False), capacity=1.0)
+    table = result_tables(of_all)["fragility"]
+    assert [row[0] for row in table.rows][-1] == "climate"
+    medians = [column.title for column in table.columns].index("Median PGA [m/s²]")
+    expected = of_all.fragility(1.0, name="climate").median
+    assert table.rows[-1][medians] == pytest.approx(expected)
+    # Over levels it is a mean of curves, whose parameters have no band.
+    of_levels = ask(made_up(), np.linspace(-20.0, 23.0, 50), capacity=1.0)
+    table = result_tables(of_levels)["fragility-shen-hdr-bridge"]
+    climate = of_levels.parts()["shen-hdr-bridge"].find_curves()[1]
+    assert climate is not None
+    assert table.rows[-1][medians] == pytest.approx(climate.median)
+    assert np.isnan([climate.row()[key] for key in ("median_low", "dispersion_high")]).all()
+    assert [
+        row[0]
+        for row in result_tables(ask(made_up(), capacity=1.0))["fragility-shen-hdr-bridge"].rows
+    ] == ["−20 °C", "0 °C", "23 °C"]
+
+
+def test_the_inputs_state_how_factors_are_defined() -> None:
+    tables = _input_tables(drawn(paired=True))
+    definitions = {row[0]: row[-1] for row in tables["factors"].rows}
+    assert definitions["scale"] == "PGA: levels 4 m/s^2, 8 m/s^2, 12 m/s^2"
+    assert definitions["bearing.K_r"] == "factor: lognormal, median 1.0, cov 0.2"
+    assert definitions["ambient temperature"] == ("a random hour of the climate cold-town, 1 year")
+    (paired,) = [row[1] for row in tables["design"].rows if row[0] == "paired"]
+    assert paired.startswith("true")
+    assert "paired" not in dict(_input_tables(made_up())["design"].rows)
 
 
 def legend_labels(figure: Figure) -> list[str]:
@@ -534,6 +613,26 @@ def test_a_question_is_kept_and_read_back(directory: Path) -> None:
     assert len(again.temperatures.temperature) > 8000
     save_question(directory, change_question(again, {"capacity": 2.0}))
     assert load_question(directory).hazard == question.hazard
+
+
+def test_another_demand_does_not_take_over_the_capacity_of_the_last_one() -> None:
+    saved = Question(capacity=4.0, failed="collapse", method="cloud", weather="cold-town")
+    strain = {"demand": "bearing_strain_max"}
+    other = change_question(saved, strain, default_demand="pier_ductility")
+    assert (other.capacity, other.failed) == (None, "left-out")
+    assert (other.method, other.weather) == ("cloud", "cold-town")
+    kept, dropped = describe_kept(saved, strain, other, "question.toml")
+    assert "method = cloud" in kept
+    assert "weather = cold-town" in kept
+    assert dropped.endswith("capacity = 4, failed = collapse")
+    with_capacity = change_question(saved, strain | {"capacity": 2.5})
+    assert (with_capacity.capacity, with_capacity.failed) == (2.5, "left-out")
+    # The demand of the options without one, and that which they have, are the same one.
+    same = {"demand": "pier_ductility"}
+    assert change_question(saved, same, default_demand="pier_ductility").capacity == 4.0
+    assert change_question(other, strain | {"capacity": 2.5}).capacity == 2.5
+    assert change_question(change_question(other, {"capacity": 2.5}), strain).capacity == 2.5
+    assert describe_kept(Question(), same, Question(demand="pier_ductility"), "") == []
 
 
 @pytest.mark.parametrize(

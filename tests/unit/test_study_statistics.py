@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
+from scipy.stats import binom
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.statistics import hazard
@@ -21,6 +22,7 @@ from thermobearing.studies.statistics.likelihood import (
     _classes,
     _fit_curves,
     cloud,
+    furthest_class,
     stripes,
 )
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
@@ -108,6 +110,8 @@ def test_one_mixed_intensity_names_the_side_that_lacks_runs(beyond: list[int], a
     above = np.concatenate([np.arange(4) < count for count in beyond])
     found = stripes(at, above, Draw.of_labels(None, len(at), 5))
     assert (found.outcome, found.sentence.split("; ")[1]) == ("apart", advice)
+    with_unit = stripes(at, above, Draw.of_labels(None, len(at), 5), "m/s²")
+    assert " m/s² do some" in with_unit.sentence
 
 
 def test_a_curve_that_hardly_rises_has_no_upper_end() -> None:
@@ -130,6 +134,43 @@ def test_a_demand_that_falls_is_as_likely_beyond_everywhere() -> None:
     found = cloud(at, 5.0 / at + 0.1 * np.sin(50.0 * at), 1.0, Draw.of_labels(None, 20, 5))
     assert found.outcome == "not_rising"
     assert (found.best.probability(np.array([0.1, 10.0])) > 0.99).all()
+
+
+def test_a_cloud_is_compared_with_the_exceedances_of_its_own_runs() -> None:
+    """Of a demand with a kink, which a line in logarithms misses, and of one without."""
+    rng = np.random.default_rng(3)
+    im = np.repeat([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 50)
+    noise = np.exp(rng.normal(0.0, 0.25, len(im)))
+    straight = pd.DataFrame({"Sa_m_s2": im, "drift": 0.25 * im * noise})
+    kinked = straight.assign(drift=np.where(im > 3.5, im / 4.0, 0.02 * im) ** 2 * noise)
+    of_straight, of_kinked = (
+        fragility_curve(table, "drift", 1.0, "Sa_m_s2", method="cloud", groups=None, samples=5)
+        for table in (straight, kinked)
+    )
+    assert of_straight.misfit == ""
+    at, beyond, runs, low, high = furthest_class(
+        of_kinked.counts, "Sa_m_s2", of_kinked.estimate, 0.95
+    ) or pytest.fail("the kink is not noticed")
+    row = of_kinked.counts[np.isclose(of_kinked.counts["Sa_m_s2"], at)].iloc[0]
+    assert (row["runs"], row["beyond"]) == (runs, beyond)
+    assert runs == 50
+    assert not low <= beyond <= high
+    share = of_kinked.probability([at])[0]
+    tail = 0.025 / 6  # of six intensities together
+    assert (low, high) == (binom.ppf(tail, 50, share), binom.ppf(1.0 - tail, 50, share))
+    assert f"at {at:.4g} m/s²" in of_kinked.misfit
+    stripes_of_kinked = fragility_curve(kinked, "drift", 1.0, "Sa_m_s2", groups=None, samples=5)
+    assert stripes_of_kinked.misfit == ""
+
+
+def test_many_intensities_are_compared_in_ten_classes() -> None:
+    im = np.geomspace(1.0, 10.0, 300)
+    table = pd.DataFrame({"im": im, "drift": np.where(im > 9.0, 5.0, 0.1 * im**0.5)})
+    curve = fragility_curve(table, "drift", 1.0, "im", method="cloud", groups=None, samples=5)
+    assert len(curve.counts) == MOST_STRIPES
+    row = furthest_class(curve.counts, "im", curve.estimate, 0.95)
+    assert row is not None
+    assert row[2] == pytest.approx(len(im) / 10, abs=1)
 
 
 def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climate() -> None:

@@ -17,7 +17,8 @@ from thermobearing.model.stack import EndFace, film_at_face, through_side
 from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.definition.targets import affects_rest_temperature
-from thermobearing.studies.result import Question, StudyResult
+from thermobearing.studies.question import Question
+from thermobearing.studies.result import StudyResult
 from thermobearing.studies.run.prepare import _thermal_key
 
 FILM = EndFace(film=12.0)

@@ -355,6 +355,9 @@ class ProgressLines:
     """Progress of a long command in lines of a log: the first after 10 s, then one a minute."""
 
     FIRST, EVERY = 10.0, 60.0  # seconds
+    # A rest is estimated from so large a share of all, or after so many seconds: the first ones of
+    # parallel processes end together, and a few of them say nothing about the speed.
+    SHARE, LONG = 0.05, 60.0
 
     def __init__(self, task: str, clock: Callable[[], float] = time.monotonic) -> None:
         self._what, self._clock = task, clock
@@ -373,7 +376,8 @@ class ProgressLines:
         # Compiling and the start of processes precede the first ones and do not come again.
         began, before = self._first
         rest = ""
-        if done > before:
+        enough = done - before >= self.SHARE * total or seconds - began >= self.LONG
+        if done > before and enough:
             remaining = (seconds - began) * (total - done) / (done - before)
             size = f"{remaining:.0f} s" if remaining < 120.0 else f"{remaining / 60.0:.0f} minutes"
             rest = f", about {size} left"

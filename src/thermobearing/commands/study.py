@@ -133,7 +133,7 @@ def _table(
     ],
     overwrite: Overwrite,
 ) -> Answer:
-    """Export all completed runs to a table file with one row per run."""
+    """Export all runs that are there, failed ones too, to a table file with one row per run."""
     from thermobearing.studies.store import Store, write_table
 
     store = Store(directory)
@@ -185,7 +185,7 @@ def _export(
     studies,
     "figures",
     fields(
-        "studies.result:Question",
+        "studies.question:Question",
         "demand capacity hazard weather method failed",
     ),
     examples="study figures p1 --hazard site.csv --capacity 4 --figure-width single-column",
@@ -197,18 +197,24 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
-    from thermobearing.studies.result import (
+    from thermobearing.studies.question import (
+        QUESTION,
         change_question,
+        describe_kept,
         load_question,
         save_question,
-        study_result,
     )
+    from thermobearing.studies.result import study_result
 
-    question = change_question(load_question(directory), options)
-    result = study_result(directory, question)
+    saved = load_question(directory)
+    result = study_result(directory, saved)
+    question = change_question(saved, options, default_demand=result.demand_name)
+    result.question = question
     files = result.plot.save_all(directory / FIGURES, **end.figures)
     save_question(directory, question)
     if not end.quiet:
+        for sentence in describe_kept(saved, options, question, str(directory / QUESTION)):
+            typer.echo(sentence)
         result.show()
         for file in files:
             echo_written(file)
@@ -218,7 +224,7 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
 @command(
     studies,
     "worst",
-    fields("studies.result:Question", "demand"),
+    fields("studies.question:Question", "demand"),
     examples="study worst p1",
 )
 def _worst(
@@ -229,10 +235,11 @@ def _worst(
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.results.screen import say, show_table
     from thermobearing.studies.result import study_result
+    from thermobearing.studies.statistics.demand import ranked_by
     from thermobearing.studies.tables import worst_table
 
     result = study_result(directory)
-    table = result.worst(count, options.get("demand"))
+    table = result.worst(count, options.get("demand") or ranked_by(result.table))
     show_table(worst_table(result, table.drop(columns="command")))
     for line in table["command"]:
         say(line)

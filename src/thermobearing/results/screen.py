@@ -20,6 +20,7 @@ from thermobearing.quantities.warned import BEYOND_LAW, BEYOND_TESTS, NO_RANGE, 
 GAP = "  "  # between two columns
 MOST_ROWS = 60  # of a table in a notebook
 MOST_WARNINGS = 3  # of a result on the screen, and of quantities outside one calibration range
+LONGEST_CELL = 120  # characters; a column with longer ones is printed below its table
 MORE = "and "  # begins the line that counts the others
 Row = Sequence[str]
 
@@ -76,6 +77,7 @@ def show_table(table: Table) -> None:
     """Print a table with caption, note and marks.
 
     Numbers are not truncated: a table that is too wide is printed in blocks, each with the keys.
+    Sentences follow the table, each with the first cell of its row.
     """
     cells = table.texts()
     for row, column in table.marked:
@@ -84,6 +86,9 @@ def show_table(table: Table) -> None:
     styles = ["red" if k in table.failed else "" for k in range(len(cells))]
     if table.caption:
         say(f"\n{table.caption}")
+    long = {k for row in cells for k in range(1, len(row)) if len(row[k]) > LONGEST_CELL}
+    sentences = [f"{row[0]}: {row[k]}" for row in cells for k in sorted(long) if row[k]]
+    heads, *cells = ([c for k, c in enumerate(row) if k not in long] for row in (heads, *cells))
     for number, block in enumerate(_laid_out(heads, cells, table.keys, screen_width())):
         if number:
             say("")
@@ -91,8 +96,8 @@ def show_table(table: Table) -> None:
         for text, style in zip(block, looks, strict=True):
             console = Console(highlight=False)
             console.print(Text(text, style=style, no_wrap=True), soft_wrap=True)
-    if table.note:
-        say(table.note)
+    for text in [*sentences, *filter(None, [table.note])]:
+        say(text)
 
 
 def screen_width() -> int | None:

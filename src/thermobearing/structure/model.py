@@ -289,7 +289,7 @@ class Structure(Sourced):
     springs, hinges, bearings : connections of two bodies, or of a body and the ground.
     devices : parallel to bearings: viscous dampers, friction sliders, gaps.
     damping : viscous damping, in addition to the hysteresis of bearings and hinges.
-    limits : of piers; a run that exceeds one ends as `pier_beyond_limit`.
+    limits : of piers; a run that exceeds one has the outcome `pier_beyond_limit`.
     report : which body is the deck, which the pier, and where its ends are.
     plan : true if it moves in two directions and may twist.
     p_delta : true if weights act on the displaced structure: those of masses of piers and footings,

@@ -18,8 +18,8 @@ from thermobearing.report.content import figure_captions, pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.saved import SavedResult
-from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.definition.record import stated_laws
+from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, SAMPLE
+from thermobearing.studies.definition.record import YEARS, Drawn, Study, stated_laws
 from thermobearing.studies.figures import StudyFigures
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import OUTCOME, failure_rule
@@ -38,6 +38,8 @@ UNKNOWN = (
     "see them."
 )
 MOST_LEVELS = 12  # that are named
+SAME_DRAWS = "true: all combinations of levels have the same draws"
+SEPARATE_DRAWS = "false: each combination of levels has its own draws"
 
 
 def build_pieces(result: Any) -> Pieces:
@@ -94,7 +96,7 @@ def _input_tables(result: StudyResult) -> dict[str, Table]:
             text = f"{low} to {high}, {len(levels)} values"
         elif len(levels) > MOST_LEVELS:
             text = f"{text} and {len(levels) - MOST_LEVELS} more"
-        rows.append((column_words(name), units[name], text))
+        rows.append((column_words(name), units[name], text, _definition(result.study, name)))
     design = result.study.design
     chosen = [
         ("kind", design.kind),
@@ -102,12 +104,43 @@ def _input_tables(result: StudyResult) -> dict[str, Table]:
         ("seed", design.seed),
         ("arrangement", design.arrangement),
     ]
-    heads = [list(map(Quantity, row)) for row in (("Factor", "Unit", "Values"), ("Key", "Value"))]
+    if design.samples:
+        chosen.append(("paired", SAME_DRAWS if design.paired else SEPARATE_DRAWS))
+    titles = (("Factor", "Unit", "Values", "Defined as"), ("Key", "Value"))
+    heads = [list(map(Quantity, row)) for row in titles]
     return {
         "factors": Table("Factors that vary between the runs", heads[0], rows),
         "constant": Table("The same in all runs", heads[1], _constant_rows(result)),
         "design": Table("Design", heads[1], chosen),
     }
+
+
+def _definition(study: Study, name: str) -> str:
+    """Return how a factor is defined: its levels, its distribution, or its weather."""
+    factors = study.factors
+    if name == SAMPLE:
+        return "drawn from the posterior samples of the bearing"
+    if name in (AMBIENT, HOUR):
+        factor: Any = factors.ambient
+    else:
+        factor = factors.numbers.get(name) or getattr(factors, name)
+    if getattr(factor, "hourly", False):
+        source = f"weather of {Path(factor.weather).name}" if factor.weather else ""
+        source = source or f"climate {factor.climate}, {counted(factor.years or YEARS, 'year')}"
+        return f"a random hour of the {source}"
+    table = to_table(factor)
+    subject = f"{table['of']}: " if table.get("of") in ("value", "factor") else ""
+    if table.get("of") == "intensity":
+        period = f" at {number(float(factor.period))} s" if factor.period else ""
+        subject = f"{factor.measure}{period}: "
+    if table.get("distribution"):
+        parameters = [f"{key} {table[key]}" for key in Drawn.model_fields if key in table]
+        return subject + ", ".join(parameters).removeprefix("distribution ")
+    drawn = "levels, drawn at random" if factor.random else "levels"
+    levels = table.get("levels") or []
+    if name in NAMED_FACTORS or len(levels) > MOST_LEVELS:
+        return subject + drawn
+    return f"{subject}{drawn} {', '.join(map(str, levels))}"
 
 
 def _constant_rows(result: StudyResult) -> list[tuple[str, str]]:

@@ -3,40 +3,33 @@
 import shlex
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
-import tomli_w
 from numpy.typing import ArrayLike
-from pydantic import Field, PrivateAttr
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.lazy import pd
 from thermobearing.border.opener import is_file
-from thermobearing.border.schema import Strict, in_unit, validated
-from thermobearing.border.text_file import write_file
-from thermobearing.border.toml import read_toml, to_table
-from thermobearing.border.units import parse_quantity, with_unit
-from thermobearing.climate.generator import CLIMATES
 from thermobearing.climate.hourly import Hourly
-from thermobearing.climate.site import as_weather
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.warned import UNUSABLE, Warned
+from thermobearing.quantities.words import joined
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
 from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, Plan
 from thermobearing.studies.definition.record import (
     COLUMNS,
-    INTENSITY_UNITS,
     Posterior,
     Study,
     stated_laws,
 )
+from thermobearing.studies.question import Question, load_question
 from thermobearing.studies.statistics.demand import (
     OUTCOME,
     WORST,
@@ -52,7 +45,6 @@ from thermobearing.studies.statistics.demand import (
 from thermobearing.studies.statistics.fragility import (
     Fragility,
     Ida,
-    Method,
     Options,
     combine_curves,
     fragility_curve,
@@ -64,7 +56,6 @@ from thermobearing.studies.statistics.hazard import (
     Hazard,
     Rate,
     annual_rate,
-    load_hazard,
     ratio,
     shares_of_time,
 )
@@ -80,125 +71,7 @@ from thermobearing.studies.tables import answer, result_tables
 FACES = ("upper_face", "lower_face", "side")
 
 
-QUESTION = "question.toml"
 LAW_FILE = "FILE.py"  # to be replaced by the reader
-Rates = tuple[Annotated[float, in_unit("1/year"), Field(gt=0)], ...]
-Periods = tuple[Annotated[float, in_unit("year"), Field(gt=0)], ...]
-
-
-class SiteHazard(Strict):
-    """Hazard curve of a site in a file.
-
-    Attributes
-    ----------
-    measure : intensity measure: "PGA", "PGV" or "Sa".
-    intensity : increasing, as text with units.
-    rate : annual rate of exceedance, decreasing [1/year]; or
-    return_period : increasing [year].
-    """
-
-    measure: Annotated[str, Field(pattern="^(PGA|PGV|Sa)$")] = "PGA"
-    intensity: tuple[str, ...]
-    rate: Rates | None = None
-    return_period: Periods | None = None
-
-    @classmethod
-    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
-        stated_keys = [name for name in ("rate", "return_period") if name in values]
-        return [] if len(stated_keys) == 1 else ["give rate, or return_period"]
-
-    def _curve(self) -> Hazard:
-        unit = INTENSITY_UNITS[self.measure]
-        intensity = [parse_quantity(text, unit) for text in self.intensity]
-        rate = self.rate or [1.0 / period for period in self.return_period or ()]
-        return Hazard(np.array(intensity), np.array(rate), self.measure)
-
-
-class Question(Strict):
-    """Post-processing options of a study, as in `question.toml`.
-
-    Attributes
-    ----------
-    demand : demand parameter, a column of the table; by default pier ductility, or the first
-        demand that exists.
-    capacity : capacity in the unit of the demand; without it there is no fragility and no rate.
-    method : method of the fragility: "stripes", "ida" or "cloud".
-    failed : failed runs are "left-out", or count as "collapse".
-    hazard : hazard curve of the site, or its file; without it there are no rates.
-    weather : hourly weather of the site, a file or a climate: the share of the time of each
-        rubber temperature, for studies whose temperatures are levels.
-    """
-
-    demand: str | None = None
-    capacity: Annotated[float, Field(gt=0)] | None = None
-    method: Method = "stripes"
-    failed: Failed = "left-out"
-    hazard: SiteHazard | None = None
-    weather: str | None = None
-    # Hourly weather, or rubber temperatures at equally probable times [degC].
-    _temperatures: Any = PrivateAttr(default=None)
-    _rubber: dict[tuple[str, ...], Any] = PrivateAttr(default_factory=dict)  # by bearings
-
-    @property
-    def temperatures(self) -> Any:
-        """Hourly weather of the site, read once; None without a climate."""
-        if self._temperatures is None and self.weather is not None:
-            self._temperatures = as_weather(self.weather)
-        return self._temperatures
-
-
-def _make_question(table: Mapping[str, Any], where: str, folder: Path = Path()) -> Question:
-    """Return checked options of a file or of the command line, where None means not given."""
-    options = {name: value for name, value in table.items() if value is not None}
-    hazard, weather = options.get("hazard"), options.get("weather")
-    if isinstance(hazard, str):
-        options["hazard"] = _hazard_table(folder / hazard)
-    if isinstance(weather, str) and weather not in CLIMATES.names():
-        options["weather"] = str((folder / weather).resolve())
-    question = validated(Question, options, where)
-    try:
-        if question.hazard is not None:
-            question.hazard._curve()
-        question.temperatures  # noqa: B018 - the file is read here
-    except InputError as error:
-        raise InputError(error.lines(), where) from None
-    return question
-
-
-def _hazard_table(path: Path) -> dict[str, Any]:
-    faults = []
-    for measure, unit in INTENSITY_UNITS.items():
-        try:
-            curve = load_hazard(path, measure)
-        except InputError as error:
-            faults.append(error)
-            continue
-        return {
-            "measure": measure,
-            "intensity": [with_unit(x, unit) for x in curve.intensity],
-            "rate": [with_unit(x, "1/year") for x in curve.rate],
-        }
-    raise faults[0]
-
-
-def load_question(directory: Path) -> Question:
-    """Return the options in `question.toml` of a study; the defaults without one."""
-    file = directory / QUESTION
-    return _make_question(read_toml(file), str(file), directory) if is_file(file) else Question()
-
-
-def save_question(directory: Path, question: Question) -> None:
-    """Write `question.toml`, so that the reports of the directory use the same options."""
-    write_file(directory / QUESTION, tomli_w.dumps(to_table(question)), overwrite=True)
-
-
-def change_question(saved: Question, options: Mapping[str, Any], folder: Path = Path()) -> Question:
-    """Return saved options with the given ones in place of theirs; None means not given."""
-    changes = {name: value for name, value in options.items() if value is not None}
-    question = _make_question(changes, "options", folder)
-    return Question(**(dict(saved) | {name: getattr(question, name) for name in changes}))
-
-
 NUMBERS = ("scale", AMBIENT, HOUR)
 
 
@@ -292,6 +165,7 @@ class StudyResult(Result):
         if self.failed:
             messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
         messages += extrapolations(self.table, self.study.factors.bearing.levels)
+        messages += self._misfits()
         if MATRIX in self.table and not self._has_sobol_design:
             ratios = (
                 "the shares of variance are correlation ratios, not Sobol' indices, which need "
@@ -300,6 +174,25 @@ class StudyResult(Result):
             )
             messages.append(Warned(ratios, "correlation_ratios"))
         return messages + self.study.pair_notes
+
+    def _misfits(self) -> list[str]:
+        """Return which fragility curves contradict the runs that they are made of."""
+        few = self.table[self.intensity].nunique() < 2
+        if self.question.method != "cloud" or self.question.capacity is None or few:
+            return []
+        misfits = {
+            " at ".join(filter(None, (part, name if isinstance(name, str) else f"{name:g} °C"))): (
+                curve.misfit
+            )
+            for part, runs in self.parts().items()
+            for name, curve in runs.all_curves().items()
+            if curve.misfit
+        }
+        if not misfits:
+            return []
+        first, *others = misfits
+        sentence = misfits[first] + (f"; so do {joined(others)}" if others else "")
+        return [Warned(sentence, "cloud_misfit", UNUSABLE, first)]
 
     @property
     def _has_sobol_design(self) -> bool:
@@ -541,9 +434,12 @@ class StudyResult(Result):
         """Return the curves, and the annual rate of each; that over the climate is the last."""
         if self.question.hazard is None:
             raise InputError("annual rates need a hazard curve: set hazard")
+        return self.find_curves()[0], self.rates(self.all_curves(), self.question.hazard._curve())
+
+    def all_curves(self) -> dict[Any, Fragility]:
+        """Return the curves of `find_curves`; that over the climate, if any, is the last."""
         curves, climate = self.find_curves()
-        all_curves = curves if climate is None else {**curves, CLIMATE: climate}
-        return curves, self.rates(all_curves, self.question.hazard._curve())
+        return curves if climate is None else {**curves, CLIMATE: climate}
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""
@@ -636,6 +532,9 @@ class StudyResult(Result):
     def worst(self, count: int = WORST, by: str | None = None) -> "pd.DataFrame":
         """Return the worst runs and the first of each failure mode, with commands that repeat them.
 
+        By a demand of the pier, runs whose pier exceeded its limits have their place among the
+        worst ones; other failed runs have none.
+
         Parameters
         ----------
         count : int
@@ -643,13 +542,14 @@ class StudyResult(Result):
         by : str, optional
             Column that ranks the runs; `demand_name` by default.
         """
-        by = by or self.question.demand
+        by = by or self.demand_name
         run_numbers = worst_runs(self.table, count, by)
         failed = self.table[self.table[OUTCOME] != COMPLETED]
         run_numbers += [
             int(run) for run in failed.groupby(OUTCOME, sort=True, observed=True)["run"].min()
         ]
-        columns = ["run", "id", OUTCOME, *self.factors, by or self.demand_name]
+        run_numbers = list(dict.fromkeys(run_numbers))  # the first of a mode may be a worst run
+        columns = ["run", "id", OUTCOME, *self.factors, by]
         by_run = self.table.set_index("run", drop=False)
         rows = by_run.loc[run_numbers, columns].reset_index(drop=True)
         place = str(self.directory).rstrip("/")

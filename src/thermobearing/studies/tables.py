@@ -161,10 +161,20 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         table["factor"] = table["factor"].map(column_words)
         rows, failed = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
         note = f"{rows} {'samples' if 'total' in table else 'runs'}, {failed} failed and left out."
-        note = f"{note} {sampling_note(table)}".strip()
+        note = " ".join(filter(None, [note, sampling_note(table), _paired_note(table)]))
         caption = f"Shares of the variance of the {column_words(demand)}"
         tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return tables
+
+
+def _paired_note(contributions: "pd.DataFrame") -> str:
+    """Return what factors with one common share need for a share of each; "" without them."""
+    if not contributions["factor"].str.contains(", ").any():
+        return ""
+    return (
+        "Paired factors have the same draws in all combinations of levels and one share together: "
+        "a share of each needs a study with paired = false in [design]."
+    )
 
 
 def worst_table(result: "StudyResult", worst: "pd.DataFrame") -> Table:
@@ -178,14 +188,17 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     of, ending = (f", {name}", f"-{name}") if name else ("", "")
     hazard = part.question.hazard is not None
     curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
-    table = pd.DataFrame([curve.row() for curve in curves.values()])
+    all_curves = part.all_curves()
+    table = pd.DataFrame([curve.row() for curve in all_curves.values()])
     notes: dict[str, list[str]] = {}
-    for level, sentence in zip(curves, table["sentence"], strict=True):
+    for level, sentence in zip(all_curves, table["sentence"], strict=True):
         notes.setdefault(sentence, []).append(_temperature(level))
-    for level, curve in curves.items():
-        for text in filter(None, (curve.beyond_levels, curve.wide_bands)):
+    for level, curve in all_curves.items():
+        for text in filter(None, (curve.beyond_levels, curve.wide_bands, curve.misfit)):
             notes.setdefault(text, []).append(_temperature(level))
-    table["name"] = [_temperature(level) for level in curves]
+    if CLIMATE in all_curves:
+        notes["all temperatures together"] = [CLIMATE]
+    table["name"] = [_temperature(level) for level in all_curves]
     ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
@@ -195,7 +208,7 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
         in_g = table["median"] / (STANDARD_GRAVITY / 1000.0)
         table.insert(list(table).index("median") + 1, "median_g", in_g)
         heads["median_g"], units["median_g"] = heads["median"], "g"
-    _mark_too_few(table, curves)
+    _mark_too_few(table, all_curves)
     demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
     tables = {
         f"fragility{ending}": _table(

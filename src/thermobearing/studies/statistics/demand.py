@@ -192,10 +192,15 @@ def failure_rule(demand: str, failed: Failed) -> str:
     pier = (
         "A run whose pier exceeded its limits counts as collapse, since it exceeds every capacity "
         "of the pier; other failed runs"
-        if demand.startswith("pier_")
-        else "Failed runs"
+        if is_of_pier(demand)
+        else "Failed runs, also those whose pier exceeded its limits,"
     )
     return f'{pier} are left out (failed = "left-out"; "collapse" counts them as collapse).'
+
+
+def is_of_pier(demand: str) -> bool:
+    """Return whether a demand is one of the pier, which a pier beyond its limits exceeds."""
+    return demand.startswith("pier_")
 
 
 WITH_NUMBERS = (COMPLETED, CAVITATED, UPLIFT)  # outcomes whose numbers are results
@@ -206,28 +211,24 @@ def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> 
 
     Without a column `outcome` all runs completed. Runs with bad input or a program error are
     always left out. A run whose pier exceeded its limits exceeds every capacity of a pier; its
-    other demands are the computed ones unless `failed` is "collapse".
+    other demands, computed with a model that is not valid any more, are no results.
     """
     if failed not in get_args(Failed):
         raise InputError(f'failed must be "left-out" or "collapse", not {failed!r}')
     values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
-    pier = ~completed  # runs whose pier exceeded its limits; all else in them was computed
-    unstable = ~completed  # runs that exceed every displacement
+    exceeding = ~completed  # runs that exceed every level of this demand
     if OUTCOME in table:
         completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
-        pier = (table[OUTCOME] == PIER_BEYOND_LIMIT).to_numpy(dtype=bool)
-        unstable = (table[OUTCOME] == UNSTABLE).to_numpy(dtype=bool)
-    # All but the demand of the pier was computed as in a completed run.
-    if failed == "left-out" and not demand.startswith("pier_"):
-        completed = completed | pier
+        modes = (UNSTABLE, PIER_BEYOND_LIMIT) if is_of_pier(demand) else (UNSTABLE,)
+        exceeding = table[OUTCOME].isin(modes).to_numpy(dtype=bool)
     missing = completed & ~np.isfinite(values)
     if missing.any():
         raise InputError(
             f'{missing.sum()} of {completed.sum()} completed runs have no number in "{demand}"; '
             "select the runs that have one"
         )
-    kept = completed | pier | unstable
+    kept = completed | exceeding
     if not kept.any():
         raise InputError(f"none of {len(table)} runs completed")
     if failed == "collapse" and OUTCOME in table:
@@ -348,6 +349,7 @@ def _median_places(count: int, level: float) -> tuple[int, int]:
 
 
 RANKED = ("pier_ductility", "pier_displacement_max_mm", "bearing_displacement_max_mm")
+RANKED_OUTCOMES = (*WITH_NUMBERS, PIER_BEYOND_LIMIT)
 WORST = 10
 
 
@@ -360,11 +362,16 @@ def ranked_by(table: "pd.DataFrame") -> str:
 
 
 def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None) -> list[int]:
-    """Return the numbers of the completed runs with the largest demand, in decreasing order."""
-    completed = table[table[OUTCOME] == COMPLETED]
-    if len(completed) == 0:
+    """Return the numbers of the runs with the largest demand, in decreasing order.
+
+    By a demand of the pier, also those whose pier exceeded its limits; no other failed runs.
+    """
+    if not table[OUTCOME].isin(RANKED_OUTCOMES).any():
         return []
-    order = order_from_largest(_numbers(completed, by or ranked_by(completed)))
+    by = by or ranked_by(table)
+    outcomes = RANKED_OUTCOMES if is_of_pier(by) else WITH_NUMBERS
+    completed = table[table[OUTCOME].isin(outcomes)]
+    order = order_from_largest(_numbers(completed, by))
     return [int(run) for run in completed["run"].iloc[order[:count]]]
 
 

@@ -34,7 +34,9 @@ import scipy
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
+from thermobearing.quantities.words import percent
 from thermobearing.results.base import COMPLETED
+from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import (
     LEVEL,
     SAMPLES,
@@ -54,10 +56,12 @@ from thermobearing.studies.statistics.likelihood import (
     Estimate,
     cloud,
     counts,
+    furthest_class,
     incremental,
     pivoted,
     stripes,
     unreached,
+    with_intensity_unit,
 )
 
 FRACTILES = (0.16, 0.5, 0.84)
@@ -68,6 +72,7 @@ LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
 LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
 NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
+UNITS = {name: INTENSITY_UNITS[measure].replace("^2", "²") for measure, name in COLUMNS.items()}
 
 
 def describe_wide(groups: int) -> str:
@@ -223,7 +228,8 @@ class Fragility:
         """Return method, question and median on one line; `row` has all numbers."""
         of = f"{self.name}: " if self.name else ""
         median = f"median {self.median:.4g}" if self.median == self.median else self.outcome
-        remark = f" ({self.beyond_levels})" if self.beyond_levels else ""
+        remark = self.beyond_levels or ("contradicts its own runs" if self.misfit else "")
+        remark = f" ({remark})" if remark else ""
         dispersion = f", dispersion {self.dispersion:.3g}" if self.dispersion > 0.0 else ""
         exceedances = int(self.counts["beyond"].sum())
         return (
@@ -283,6 +289,27 @@ class Fragility:
             f"too few levels: the median is beyond the largest intensity of the runs, {largest:.3g}"
         )
 
+    @property
+    def misfit(self) -> str:
+        """Why a cloud contradicts the exceedances of its own runs; "" where it does not.
+
+        The counts of all classes of intensities are compared with binomial intervals of the curve,
+        see `furthest_class`.
+        """
+        if self.method != "cloud" or len(self.parts) > 1 or not self.estimate.known:
+            return ""
+        row = furthest_class(self.counts, self.intensity, self.estimate, self.level)
+        if row is None:
+            return ""
+        at, beyond, runs, low, high = row
+        place = with_intensity_unit(at, UNITS.get(self.intensity, ""))
+        return (
+            f"the curve of the cloud contradicts its own runs: at {place} {beyond} of {runs} runs "
+            f"exceed the capacity, where the curve has {low} to {high} (binomial, "
+            f"{percent(self.level)} for all intensities together); the demand is not log-linear "
+            "with constant scatter, or the runs are not independent: use stripes"
+        )
+
     def probability(self, intensity: Any) -> Floats:
         """Return the probability at intensities; NaN where the share does not rise with them."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
@@ -311,14 +338,16 @@ class Fragility:
         """Return the parameters of one lognormal curve with their bands, as a row of a table."""
         samples = self.estimate.samples
         median_low = median_high = dispersion_low = dispersion_high = np.nan
-        if self.outcome in (COMPLETED, NONE_BEYOND):
+        # The mean of several curves is no lognormal one, and has no band of its parameters.
+        is_one = len(self.parts) == 1
+        if is_one and self.outcome in (COMPLETED, NONE_BEYOND):
             # A sample in which no run exceeds the capacity has an infinite place, and so may the
             # end of the band.
             medians = np.exp(np.minimum(samples.place, LARGEST_LOGARITHM))
             median_low, median_high = (float(end[0]) for end in self.ends(medians[:, None]))
             if not (median_high < np.exp(LARGEST_LOGARITHM) and self.estimate.known):
                 median_high = np.inf
-        if self.estimate.known:
+        if is_one and self.estimate.known:
             with np.errstate(divide="ignore"):
                 ends = self.ends((1.0 / samples.slope)[:, None])
             dispersion_low, dispersion_high = (float(end[0]) for end in ends)
@@ -466,7 +495,7 @@ def _fragility(
     draw = draw.of(runs.kept)
     beyond = runs.demand >= capacity
     if method == "stripes":
-        estimate = stripes(at, beyond, draw)
+        estimate = stripes(at, beyond, draw, UNITS.get(intensity, ""))
     elif method == "cloud":
         if (runs.demand <= 0.0).any():
             raise InputError(f'column "{demand}" has values without a logarithm (0 or less)')

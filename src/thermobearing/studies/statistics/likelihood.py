@@ -46,11 +46,9 @@ ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 STEEPEST = 3.0  # limit of the dispersion of an estimate over that of a bootstrap curve
 SAME = 1e-12  # difference of logarithms by rounding
 MOST_STRIPES = 200  # more intensities are put into as many classes
-MORE_BETWEEN = (
-    "no run exceeds the capacity up to {0:.4g}, all do from {1:.4g}: add intensities between"
-)
+MORE_BETWEEN = "no run exceeds the capacity up to {0}, all do from {1}: add intensities between"
 ONE_MIXED = (
-    "only at {0:.4g} do some runs exceed the capacity and others not ({1:.0f} of {2:.0f} do): one "
+    "only at {0} do some runs exceed the capacity and others not ({1:.0f} of {2:.0f} do): one "
     "intensity does not determine the dispersion; add {3}"
 )
 REASONS = {
@@ -391,16 +389,21 @@ def _counted(
     return levels, yes, no, beyond_samples[:, :size], beyond_samples[:, size:]
 
 
-def stripes(at: Floats, beyond: Bools, draw: Draw) -> Estimate:
+def with_intensity_unit(intensity: float, unit: str) -> str:
+    """Return an intensity with its unit, "12.75 m/s²"; `unit` may be ""."""
+    return f"{intensity:.4g} {unit}".rstrip()
+
+
+def stripes(at: Floats, beyond: Bools, draw: Draw, unit: str = "") -> Estimate:
     """Return the most likely lognormal curve of counts, from an entry for each run."""
     levels, yes, no, beyond_samples, below_samples = _counted(at, beyond, draw)
     best = _fit_curves(levels, yes, no)
-    outcome, sentence = _why_not(levels, yes[0], no[0], best)
+    outcome, sentence = _why_not(levels, yes[0], no[0], best, unit)
     samples = _fit_curves(levels, beyond_samples, below_samples)
     return Estimate(best, samples, outcome=outcome, sentence=sentence)
 
 
-def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str, str]:
+def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves, unit: str) -> tuple[str, str]:
     if not yes.any() or not no.any():
         outcome = "all_beyond" if yes.any() else "none_beyond"
         return outcome, REASONS[outcome]
@@ -410,8 +413,11 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves) -> tuple[str
             index = int(np.flatnonzero(levels == first)[0])
             ends = [word for word, end in (("smaller", 0), ("larger", -1)) if levels[end] == first]
             advice = f"{' and '.join(ends)} intensities" if ends else "intensities close to it"
-            return "apart", ONE_MIXED.format(first, yes[index], yes[index] + no[index], advice)
-        return "apart", MORE_BETWEEN.format(last, first)
+            runs = yes[index] + no[index]
+            only = with_intensity_unit(first, unit)
+            return "apart", ONE_MIXED.format(only, yes[index], runs, advice)
+        ends_between = (with_intensity_unit(end, unit) for end in (last, first))
+        return "apart", MORE_BETWEEN.format(*ends_between)
     if best.slope[0] <= FLAT:
         return "not_rising", REASONS["not_rising"]
     return COMPLETED, ""
@@ -439,6 +445,36 @@ def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw) -> Estimate:
     if np.isinf(best.slope[0]):
         return Estimate(best, samples, outcome="apart", sentence=REASONS["one_beyond"])
     return Estimate(best, samples)
+
+
+MOST_COMPARED = 10  # classes of intensities in which a curve is compared with the counts
+
+
+def furthest_class(
+    counts: "pd.DataFrame", name: str, estimate: Estimate, level: float
+) -> tuple[float, int, int, int, int] | None:
+    """Return the class of intensities whose count is furthest from a curve, if a count is unlikely.
+
+    Each class has the intensities of one row of `counts`, or of several rows, so that there are at
+    most ten classes. A count is unlikely outside the binomial interval of the curve; the intervals
+    contain the counts of all classes together with the confidence `level` (Bonferroni), if the runs
+    are independent. Returns the mean intensity, exceedances, runs, and the ends of the interval;
+    None where all counts are likely.
+    """
+    at, runs, beyond = (counts[column].to_numpy(dtype=float) for column in (name, "runs", "beyond"))
+    parts = np.array_split(np.arange(len(at)), min(len(at), MOST_COMPARED))
+    tail = 0.5 * (1.0 - level) / len(parts)
+    unlikely: list[tuple[float, tuple[float, int, int, int, int]]] = []
+    for part in parts:
+        total, over = int(runs[part].sum()), int(beyond[part].sum())
+        share = float((runs[part] * estimate.probability(at[part])).sum() / total)
+        possible = np.arange(total + 1.0)
+        below = scipy.special.bdtr(possible, total, share)  # probability of at most so many
+        low, high = (int(np.argmax(below >= end)) for end in (tail, 1.0 - tail))
+        if not low <= over <= high:
+            mean = float(np.exp((runs[part] * np.log(at[part])).sum() / total))
+            unlikely.append((abs(over / total - share), (mean, over, total, low, high)))
+    return max(unlikely)[1] if unlikely else None
 
 
 def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
