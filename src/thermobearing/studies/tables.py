@@ -190,14 +190,6 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
     all_curves = part.all_curves()
     table = pd.DataFrame([curve.row() for curve in all_curves.values()])
-    notes: dict[str, list[str]] = {}
-    for level, sentence in zip(all_curves, table["sentence"], strict=True):
-        notes.setdefault(sentence, []).append(_temperature(level))
-    for level, curve in all_curves.items():
-        for text in filter(None, (curve.beyond_levels, curve.wide_bands, curve.misfit)):
-            notes.setdefault(text, []).append(_temperature(level))
-    if CLIMATE in all_curves:
-        notes["all temperatures together"] = [CLIMATE]
     table["name"] = [_temperature(level) for level in all_curves]
     ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
@@ -216,7 +208,7 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
             f"{demand}: lognormal fragility by {part.question.method}{of}",
             units=units,
             heads=heads | {"name": ambient, "beyond": "Exceedances"},
-            note="; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items()),
+            note=_curve_notes(all_curves),
         )
     }
     if rates:
@@ -236,6 +228,21 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
             note="; ".join(dict.fromkeys(text for text in [*few_motions, *rows["notes"]] if text)),
         )
     return tables
+
+
+def _curve_notes(curves: Mapping[Any, Fragility]) -> str:
+    """Return the failed runs of curves, and what is wrong with them, each with its temperatures."""
+    notes: dict[str, list[str]] = {}
+    for level, curve in curves.items():
+        notes.setdefault(curve.estimate.sentence or curve.sentence, []).append(_temperature(level))
+    for level, curve in curves.items():
+        # The numbers of a misfit, which differ from curve to curve, are in the warnings.
+        misfit = curve.misfit.partition(":")[0]
+        for text in filter(None, (curve.beyond_levels, curve.wide_bands, misfit)):
+            notes.setdefault(text, []).append(_temperature(level))
+    if CLIMATE in curves:
+        notes["all temperatures together"] = [CLIMATE]
+    return "; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items())
 
 
 def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> None:
