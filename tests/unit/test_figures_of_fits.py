@@ -10,8 +10,8 @@ import pytest
 
 import thermobearing as tb
 from tests.quick import quick_cases
+from tests.unit.made_up_study import HAZARD, ask, made_up
 from tests.unit.test_figures import overlaps
-from tests.unit.test_study_result import HAZARD, ask, made_up
 from thermobearing.design.figures import DesignFigures
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.identify.records.figures import RecordFigures, draw_record

@@ -4,8 +4,7 @@ import json
 import re
 import shlex
 import shutil
-import tomllib
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,16 @@ from typer.testing import CliRunner
 import thermobearing as tb
 import thermobearing.studies.figures as figures
 from tests.quick import quick_cases
-from tests.unit.inputs import assert_refused
+from tests.unit.made_up_study import (
+    HAZARD,
+    MOTIONS,
+    SITE,
+    SPREAD,
+    ask,
+    beyond_limit,
+    drawn,
+    made_up,
+)
 from thermobearing.bearing.model import TemperatureLaw
 from thermobearing.border.errors import InputError
 from thermobearing.commands.study import studies as app
@@ -31,10 +39,7 @@ from thermobearing.studies.definition.case import make_study
 from thermobearing.studies.definition.designs import AMBIENT, Plan
 from thermobearing.studies.question import (
     Question,
-    SiteHazard,
-    _make_question,
     change_question,
-    describe_kept,
     load_question,
     save_question,
 )
@@ -45,47 +50,6 @@ from thermobearing.studies.run.prepare import Preparer
 from thermobearing.studies.statistics.demand import in_classes, worst_runs
 from thermobearing.studies.statistics.hazard import Hazard
 from thermobearing.studies.tables import result_tables
-
-MOTIONS = [f"jra-ii-{ground}-{number}" for ground in ("i", "ii") for number in (1, 2, 3)]
-INTENSITY = np.geomspace(0.5, 60.0, 8)
-HAZARD = SiteHazard(
-    intensity=[f"{x} m/s2" for x in INTENSITY], rate=(0.05 * INTENSITY**-2.2).tolist()
-)
-FACTORS = {
-    "bearing": ["shen-hdr-bridge", "shen-lhdr-bridge"],
-    "motion": MOTIONS,
-    "scale": [0.25, 0.5, 0.75, 1.0, 1.5, 2.0],
-    "ambient": ["-20 degC", "0 degC", "23 degC"],
-}
-
-
-SPREAD = {"distribution": "lognormal", "median": 1.0, "cov": 0.2}
-
-
-@cache
-def made_up() -> StudyResult:
-    """Ductility by a formula: more in the cold, twice as much more with the first bearing."""
-    study = make_study({"kind": "study", "name": "p1", "factors": FACTORS}, "test")
-    runs = Plan(study).runs
-    rng = np.random.default_rng(1)
-    of_motion = dict(zip(MOTIONS, np.exp(rng.normal(0.0, 0.35, len(MOTIONS))), strict=True))
-    cold = np.where(runs["bearing"] == "shen-hdr-bridge", 0.012, 0.006)
-    demand = runs["PGA_m_s2"] / 8.0 * np.exp(cold * (23.0 - runs["ambient_degC"]))
-    demand = demand * runs["motion"].astype(str).map(of_motion)
-    outcome = np.where(demand > 3.2, "not_converged", "completed")
-    runs = runs.assign(
-        outcome=outcome,
-        sentence=np.where(demand > 3.2, "try a smaller step", ""),
-        pier_ductility=demand.where(demand <= 3.2),
-    )
-    return StudyResult(runs, study, {"runs": len(runs)}, "out/p1")
-
-
-def ask(result: StudyResult, temperatures: Any = None, **options: Any) -> StudyResult:
-    """The same runs with other post-processing options."""
-    question = Question(**options)
-    question._temperatures = temperatures
-    return StudyResult(result.table, result.study, result.manifest, result.directory, question)
 
 
 def test_summary_and_worst_runs() -> None:
@@ -254,14 +218,6 @@ def test_every_figure_reports_failed_runs() -> None:
     assert list(made_up().plot.draw_all()) == without
     with pytest.raises(InputError):
         ask(made_up(), hazard=HAZARD).plot.draw_all()
-
-
-def beyond_limit() -> StudyResult:
-    """Study whose failed runs are those of a pier beyond its limits, which count as collapse."""
-    result = made_up()
-    outcome = result.table["outcome"].replace("not_converged", "pier_beyond_limit")
-    table = result.table.assign(outcome=outcome)
-    return StudyResult(table, result.study, result.manifest, "out/p1")
 
 
 def test_runs_of_a_pier_beyond_its_limits_are_no_results_of_the_bearing() -> None:
@@ -488,28 +444,6 @@ def test_a_median_is_stated_in_g_too() -> None:
         assert row[both[0]] == pytest.approx(9.80665 * row[both[1]])
 
 
-@cache
-def drawn(**design: Any) -> StudyResult:
-    """Three motions at three intensities, stiffness, strain and temperature drawn for each run."""
-    factors = {
-        "bearing": "shen-hdr-bridge",
-        "motion": MOTIONS[:3],
-        "scale": {"of": "intensity", "levels": ["4 m/s^2", "8 m/s^2", "12 m/s^2"]},
-        "ambient": {"climate": "cold-town", "years": 1},
-        "bearing.K_r": SPREAD,
-        "bearing.m_T": SPREAD,
-    }
-    design = {"kind": "monte-carlo", "samples": 32} | design
-    table = {"kind": "study", "name": "drawn", "factors": factors, "design": design}
-    study = make_study(table, "test")
-    runs = Plan(study).runs
-    cold = np.exp(0.012 * (23.0 - runs["ambient_degC"])) * runs["bearing.K_r"]
-    noise = np.exp(np.random.default_rng(4).normal(0.0, 0.3, len(runs)))
-    demand = runs["PGA_m_s2"] / 8.0 * cold * noise
-    runs = runs.assign(outcome="completed", sentence="", pier_ductility=demand)
-    return StudyResult(runs, study, {"runs": len(runs)}, "out/drawn")
-
-
 @pytest.mark.parametrize("method", quick_cases(["stripes", "cloud"], 1))
 def test_draws_of_each_run_have_fragility_and_rates_and_no_ida(method: Any) -> None:
     result = ask(drawn(paired=False), capacity=1.0, method=method, hazard=HAZARD)
@@ -586,7 +520,6 @@ def test_tables_keep_their_numbers_whatever_the_order_of_rows() -> None:
     assert [c.median for c in one.values()] == pytest.approx([c.median for c in two.values()])
 
 
-SITE = "PGA [m/s^2],return_period [year]\n0.05,2\n1,20\n5,400\n10,2000\n20,20000\n"
 CAPACITY = 0.00035  # strain, in a study of half a second
 
 
@@ -613,46 +546,6 @@ def test_a_question_is_kept_and_read_back(directory: Path) -> None:
     assert len(again.temperatures.temperature) > 8000
     save_question(directory, change_question(again, {"capacity": 2.0}))
     assert load_question(directory).hazard == question.hazard
-
-
-def test_another_demand_does_not_take_over_the_capacity_of_the_last_one() -> None:
-    saved = Question(capacity=4.0, failed="collapse", method="cloud", weather="cold-town")
-    strain = {"demand": "bearing_strain_max"}
-    other = change_question(saved, strain, default_demand="pier_ductility")
-    assert (other.capacity, other.failed) == (None, "left-out")
-    assert (other.method, other.weather) == ("cloud", "cold-town")
-    kept, dropped = describe_kept(saved, strain, other, "question.toml")
-    assert "method = cloud" in kept
-    assert "weather = cold-town" in kept
-    assert dropped.endswith("capacity = 4, failed = collapse")
-    with_capacity = change_question(saved, strain | {"capacity": 2.5})
-    assert (with_capacity.capacity, with_capacity.failed) == (2.5, "left-out")
-    # The demand of the options without one, and that which they have, are the same one.
-    same = {"demand": "pier_ductility"}
-    assert change_question(saved, same, default_demand="pier_ductility").capacity == 4.0
-    assert change_question(other, strain | {"capacity": 2.5}).capacity == 2.5
-    assert change_question(change_question(other, {"capacity": 2.5}), strain).capacity == 2.5
-    assert describe_kept(Question(), same, Question(demand="pier_ductility"), "") == []
-
-
-@pytest.mark.parametrize(
-    ("table", "said"),
-    [
-        ({"capcity": 1.0}, 'did you mean "capacity"'),
-        ({"capacity": -1.0}, "capacity = -1"),
-        ({"hazard": "none.csv"}, "no such file"),
-        ({"hazard": {"intensity": ["1 m/s2", "2 m/s2"]}}, "give rate, or return_period"),
-        (
-            {"hazard": {"intensity": ["1 m/s2", "2 m/s2"], "rate": ["1 1/year", "2 1/year"]}},
-            "rate of a hazard curve",
-        ),
-        ({"hazard": {"intensity": ["1", "2"], "rate": ["2 1/year", "1 1/year"]}}, "has no unit"),
-        ({"weather": "warm-town"}, "no climate"),
-        ({"failed": "ignored"}, "left-out"),
-    ],
-)
-def test_bad_questions(table: dict[str, Any], said: str, tmp_path: Path) -> None:
-    assert_refused(lambda: _make_question(table, "question.toml", tmp_path), said)
 
 
 def test_a_document_answers(directory: Path) -> None:
@@ -722,14 +615,6 @@ def test_a_study_without_a_run_has_no_result(directory: Path) -> None:
         file.unlink()
     with pytest.raises(InputError, match="no run"):
         study_result(directory)
-
-
-def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:
-    text = (Path(__file__).parents[2] / "docs" / "files" / "study.md").read_text(encoding="utf-8")
-    block = text.split("## Post-processing")[1].split("```")[1].removeprefix("text\n")
-    (tmp_path / "site.csv").write_text(SITE)
-    assert set(tomllib.loads(block)) == set(Question.model_fields)
-    assert _make_question(tomllib.loads(block), "question.toml", tmp_path).capacity == 1.0
 
 
 TABLE = {
