@@ -19,8 +19,9 @@ from thermobearing.design.provisions import layer_strains, limits_text, load_cod
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.axial import critical_load
-from thermobearing.model.checks import checked_modulus, limit_keys
+from thermobearing.model.axial import axial_stiffness, critical_load
+from thermobearing.model.checks import checked_modulus, limit_keys, secant_stiffness
+from thermobearing.model.element import BearingElement
 from thermobearing.model.limits import load_limits
 from thermobearing.report.pieces import EXCEEDED, PASSED, Bullets
 from thermobearing.report.template import ACTIONS, _actions
@@ -90,6 +91,24 @@ def test_strains_of_a_layer_by_hand():
     pressed, turned = layer_strains(disc, LOAD, ROTATION, 1e-3)
     assert pressed == pytest.approx(LOAD / (math.pi * 240.0**2) / (1e-3 * shape), rel=1e-12)
     assert turned == pytest.approx(0.375 * 480.0**2 * ROTATION / (17.0 * 102.0), rel=1e-12)
+
+
+def test_lead_is_left_out_of_area_and_modulus_of_all_checks():
+    """Of a lead rubber bearing gamma_c = P/(A G S) with A G = K T_r and S = A/(pi D t), A net."""
+    bearing = tb.load_bearing("lrb-example")
+    geometry, diameter = bearing.geometry, bearing.geometry.plan.diameter
+    net = 0.25 * math.pi * (diameter**2 - bearing.lead.diameter**2)
+    modulus = checked_modulus(bearing, 23.0)
+    element = BearingElement(bearing, 23.0)
+    rubber = geometry.total_rubber_thickness
+    stiffness = secant_stiffness(element, rubber)
+    assert modulus * net == pytest.approx(stiffness * rubber, rel=1e-9)
+    pressed, _ = layer_strains(bearing, LOAD, ROTATION, modulus)
+    shape = net / (math.pi * diameter * geometry.rubber_thickness)
+    assert pressed == pytest.approx(LOAD / (stiffness * rubber * shape), rel=1e-9)
+    compression = 1.0 / (6.0 * modulus * shape**2) + 4.0 / (3.0 * 2.0)  # K = 2 GPa
+    vertical = net / (rubber * compression)
+    assert axial_stiffness(geometry, modulus, bearing.lead) == pytest.approx(vertical, rel=1e-9)
 
 
 @pytest.mark.parametrize(("zone", "times", "name"), [(4, 1.5, "1.5 times"), (1, 2.0, "twice")])

@@ -27,6 +27,7 @@ from thermobearing.model.axial import (
     column_of,
     compression_modulus,
     critical_load,
+    find_section,
     overlap_area,
 )
 from thermobearing.model.options import build_model
@@ -224,7 +225,7 @@ def _bouc_wen(displacement):
 def _constant_modulus(modulus):
     """Constants of rubber with one modulus [GPa] at any temperature, in the plan of bearing L."""
     constants = build_model(tb.load_bearing("lrb-example")).constants
-    stiffness = modulus * BEARING_L.plan.area / BEARING_L.rubber_thickness
+    stiffness = modulus * find_section(BEARING_L, LEAD).area / BEARING_L.rubber_thickness
     rubber = constants.rubber._replace(
         elastic_stiffness=stiffness,
         hysteretic_stiffness=0.0,
@@ -339,7 +340,8 @@ def test_constant_axial_force_in_a_test(runs):
     law = bearing.hysteresis
     share = (1.0 + law.hardening) * law.yield_displacement / bearing.geometry.rubber_thickness
     secant += share * rubber.hysteretic_stiffness * np.exp(rubber.hysteretic_exponent * t)
-    moduli = secant * bearing.geometry.rubber_thickness / bearing.area
+    net_area = math.pi / 4.0 * (bearing.geometry.plan.diameter**2 - bearing.lead.diameter**2)
+    moduli = secant * bearing.geometry.rubber_thickness / net_area
     compression, shear, _ = layer_sums(column, moduli, constants.multiplicity)
     counted = counted_overlap.py_func(column, plain["displacement"].values[0, before], 0.0)
     kappa = stiffness_reduction.py_func(column, compression, PRESSED, counted)[0]

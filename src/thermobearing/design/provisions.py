@@ -24,7 +24,7 @@ from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.measures import DIRECTION, DIRECTIONS
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
-from thermobearing.model.axial import critical_load, overlap_area
+from thermobearing.model.axial import critical_load, find_section, overlap_area
 from thermobearing.model.checks import (
     Check,
     check_rows,
@@ -155,11 +155,13 @@ def layer_strains(
     """Return the shear strains of a rubber layer under an axial force and under a rotation.
 
     D_a P / (A G S) and D_r L^2 theta / (t T_r), with P [kN], theta [rad], the secant modulus G
-    [GPa] and the size L of the plan in the direction of motion (data/design/provisions.toml).
+    [GPa] and the size L of the plan in the direction of motion (data/design/provisions.toml). A and
+    S are those of the critical load: a single lead core in a round plan is left out.
     """
     geometry, provisions = bearing.geometry, _load_provisions()
     plan, thickness = geometry.plan, geometry.rubber_thickness
-    compression_ratio = axial_force / (plan.area * modulus * geometry.first_shape_factor)
+    section = find_section(geometry, bearing.lead)
+    compression_ratio = axial_force / (section.area * modulus * section.shape_factor)
     rotation_ratio = plan.breadth**2 * rotation / (thickness * geometry.total_rubber_thickness)
     return provisions.compression.of(plan) * compression_ratio, provisions.rotation.of(
         plan

@@ -44,6 +44,7 @@ class Section(NamedTuple):
     area: float  # A [mm2]
     inertia: tuple[float, float]  # second moments for bending along x and y [mm4]
     shape: float  # C S^2, with the shape factor S
+    shape_factor: float  # S: area over the free side area of a layer
 
 
 def second_moments(plan: Plan) -> tuple[float, float]:
@@ -69,14 +70,13 @@ def annular_section(diameter: float, hole: float, thickness: float, *, filled: b
     inertia = math.pi / 64.0 * (diameter**4 - hole**4)
     factor = float(compression_constants()["compression_round"])
     if filled:
-        return Section(
-            area, (inertia, inertia), factor * (area / (math.pi * diameter * thickness)) ** 2
-        )
+        shape_factor = area / (math.pi * diameter * thickness)
+        return Section(area, (inertia, inertia), factor * shape_factor**2, shape_factor)
     ratio = diameter / hole
     loss = (ratio**2 + 1.0) / (ratio - 1.0) ** 2
     loss += (1.0 + ratio) / ((1.0 - ratio) * math.log(ratio))
     shape_factor = (diameter - hole) / (4.0 * thickness)
-    return Section(area, (inertia, inertia), factor * loss * shape_factor**2)
+    return Section(area, (inertia, inertia), factor * loss * shape_factor**2, shape_factor)
 
 
 def find_section(geometry: Geometry, lead: LeadCores | None = None) -> Section:
@@ -92,7 +92,22 @@ def find_section(geometry: Geometry, lead: LeadCores | None = None) -> Section:
     factor = float(constants["compression_round" if round_plan else "compression_square"])
     about_x, about_y = second_moments(plan)
     # Bending along x turns about the axis across, to which the second of the two belongs.
-    return Section(plan.area, (about_y, about_x), factor * geometry.first_shape_factor**2)
+    shape_factor = geometry.first_shape_factor
+    return Section(plan.area, (about_y, about_x), factor * shape_factor**2, shape_factor)
+
+
+def shear_modulus(bearing: Bearing, stiffness: float) -> float:
+    """Return the modulus K T_r/A of rubber [GPa] with a shear stiffness K of a bearing [kN/mm].
+
+    A is the area that also carries the axial force (`find_section`): one pair of G and A is in the
+    strain of compression, the vertical stiffness and the critical load.
+
+    >>> import thermobearing as tb
+    >>> round(1e3 * shear_modulus(tb.load_bearing("shen-hdr-bridge"), 2.0), 3)
+    0.885
+    """
+    area = find_section(bearing.geometry, bearing.lead).area
+    return stiffness * bearing.total_rubber_thickness / area
 
 
 def build_column(
@@ -117,7 +132,7 @@ def build_column(
     return filled(
         Column,
         area=section.area,
-        gross_area=geometry.plan.area,
+        gross_area=section.area,
         inertia_x=section.inertia[0],
         inertia_y=section.inertia[1],
         length=along_across[0],

@@ -21,6 +21,7 @@ from thermobearing.model.axial import (
     critical_load,
     overlap_area,
     second_moments,
+    shear_modulus,
 )
 from thermobearing.model.element import BearingElement
 from thermobearing.model.outcomes import temperature_limits
@@ -230,7 +231,7 @@ def secant_modulus(bearing: Bearing, temperature: float) -> float:
     """Return the secant modulus of scragged rubber at 100 % strain and a temperature [GPa]."""
     height = bearing.total_rubber_thickness
     element = BearingElement(bearing.model_copy(update={"scragging": None}), temperature)
-    return secant_stiffness(element, height) * height / bearing.area
+    return shear_modulus(bearing, secant_stiffness(element, height))
 
 
 def checked_modulus(bearing: Bearing, ambient: float) -> float:

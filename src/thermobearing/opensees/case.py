@@ -27,6 +27,7 @@ from thermobearing.model.axial import (
     compression_modulus,
     find_section,
     second_moments,
+    shear_modulus,
 )
 from thermobearing.model.checks import secant_stiffness
 from thermobearing.model.element import DEFAULT_AMBIENT, BearingElement
@@ -195,7 +196,7 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
     bearing, geometry = case.bearing, case.bearing.geometry
     height = bearing.total_rubber_thickness
     shear = secant_stiffness(case.new_bearing(), height)
-    modulus = shear * height / bearing.area  # [GPa]
+    modulus = shear_modulus(bearing, shear)
     bending = compression_modulus(geometry, modulus, bearing.lead) / (3.0 * height)
     along, across = find_section(geometry, bearing.lead).inertia
     return LinearStiffness(
