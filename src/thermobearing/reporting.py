@@ -161,7 +161,7 @@ def _report_of_result(
     pieces = build_pieces(result, place)
     if html and live:
         pieces = replace(pieces, live=live_section(result))
-    content = _title_files(block) | dict(pieces.files)
+    content = _title_files(block) | _headed(pieces, block)
     if html:
         content |= report_files(pieces, block, template, pdf=pdf)
     if workbook:
@@ -169,6 +169,16 @@ def _report_of_result(
 
         content[WORKBOOK] = workbook_bytes(pieces, histories_by_run(result))
     return put_files(place, content)
+
+
+def _headed(pieces: Pieces, block: TitleBlock) -> dict[str, bytes]:
+    """Return the files of a report, the text for other programs with what it belongs to."""
+    files = dict(pieces.files)
+    if LINKS in files:
+        entries = block.words() | dict(pieces.identity)
+        head = "".join(f"{name}: {text}\n" for name, text in entries.items())
+        files[LINKS] = f"{head}\n".encode() + files[LINKS]
+    return files
 
 
 def _load(path: str | Path) -> "AnyResult":

@@ -5,6 +5,7 @@ import re
 import tomllib
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
@@ -12,6 +13,7 @@ import thermobearing as tb
 from tests.quick import quick_cases
 from tests.unit.test_lines_and_piers import MOTION, two_piers
 from thermobearing.bearing.exposure import Exposure, exposed
+from thermobearing.bearing.sources import COEFFICIENTS, assumed_properties
 from thermobearing.bearing.state import RubberState, in_state
 from thermobearing.border.schema import validated
 from thermobearing.cyclic.equivalent import (
@@ -58,6 +60,10 @@ def test_a_bilinear_bearing_keeps_its_own_loop(pier: EarthquakeResult) -> None:
     assert_allclose(row["h_eff"], energy / (2.0 * np.pi * row["K_eff_kN_mm"] * displacement**2))
 
 
+def _links(result: EarthquakeResult, lines: pd.DataFrame) -> str:
+    return link_text(lines, bridge_properties(result, lines))
+
+
 def test_an_assumed_initial_stiffness_is_stated_beside_the_number(pier: EarthquakeResult) -> None:
     table = line_properties(pier)
     assert set(table.loc[table["bearing"] == HDR, "kind"]) == {"HDR"}
@@ -65,17 +71,17 @@ def test_an_assumed_initial_stiffness_is_stated_beside_the_number(pier: Earthqua
     note = initial_stiffness_note(table)
     assert f"{1.0 / ratio.K_2_over_K_1:.3g} (HDR)" in note
     assert ratio.source in note
-    assert link_text(table).count("(assumed)") == 2 * int((table["kind"] == "HDR").sum())
+    assert _links(pier, table).count(" (assumed) ") == 2 * int((table["kind"] == "HDR").sum())
     bilinear = table[table["bearing"] == BILINEAR]
     assert initial_stiffness_note(bilinear) == ""
-    assert "(assumed)" not in link_text(bilinear)
+    assert " (assumed) " not in _links(pier, bilinear)
 
 
 def test_links_name_the_motion_of_the_design_displacement(pier: EarthquakeResult) -> None:
     lines = line_properties(pier)
     runs = pier.table.set_index(["bearing", "ambient_degC", "motion"])["bearing_strain_max"]
     runs = runs.sort_index()
-    text = link_text(lines)
+    text = _links(pier, lines)
     for row in lines.to_dict("records"):
         governing = runs[row["bearing"], row["ambient_degC"]].idxmax()
         assert governing in row["design_displacement_of"]
@@ -87,7 +93,7 @@ def test_links_state_cycle_and_rubber(pier: EarthquakeResult) -> None:
     lines = line_properties(pier)
     layered = lines["bearing"] == HDR
     assert set(lines.loc[layered, "cycle"]) == {3}
-    assert link_text(lines).count("third cycle, scragged rubber") == int(layered.sum())
+    assert _links(pier, lines).count("third cycle, scragged rubber") == int(layered.sum())
 
 
 @pytest.mark.parametrize("temperature", quick_cases([23.0, -20.0], 1))
@@ -198,7 +204,7 @@ def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
     # The peak force of the run, which warms, is that of the upper values within 5 %.
     peak = result.table.set_index("bearing").loc[HDR, "bearing_force_max_kN"]
     assert_allclose(stiffness * moved, peak, rtol=0.05)
-    text = link_text(line_properties(result))
+    text = _links(result, line_properties(result))
     assert "first cycle, virgin rubber" in text
     assert f"{rows.loc[HDR, 'over_scragged']:.2f} times" in text
     file = tb.load_bilinear(BILINEAR)
@@ -279,7 +285,7 @@ def test_means_count_from_seven_motions() -> None:
 
 def test_links_have_metres_and_the_yield_strength(pier: EarthquakeResult) -> None:
     lines = line_properties(pier)
-    text = link_text(lines)
+    text = _links(pier, lines)
     blocks = text.split("\n\n")[1:]
     assert len(blocks) == len(lines)
     for block, row in zip(blocks, lines.to_dict("records"), strict=True):
@@ -290,6 +296,39 @@ def test_links_have_metres_and_the_yield_strength(pier: EarthquakeResult) -> Non
         assert_allclose(
             float(values["design displacement"]), row["design_displacement_mm"] / 1e3, rtol=1e-4
         )
+
+
+def test_links_have_the_coefficient_of_a_dashpot(pier: EarthquakeResult) -> None:
+    """C = h K_eff T_eff/pi, the c = 2 h m w of a mass on the bearing with the period T_eff."""
+    lines = line_properties(pier)
+    bridges = bridge_properties(pier, lines)
+    blocks = link_text(lines, bridges).split("\n\n")[1:]
+    periods = bridges.set_index(["bearing", "ambient_degC"])["effective_period_s"]
+    for block, row in zip(blocks, lines.to_dict("records"), strict=True):
+        (value,) = re.findall(r"^  effective damping(?: \(assumed\))? +(\S+) kN s/m", block, re.M)
+        frequency = 2.0 * np.pi / periods[row["bearing"], row["ambient_degC"]]
+        mass = 1e3 * row["K_eff_kN_mm"] / frequency**2  # kN s2/m
+        assert_allclose(float(value), 2.0 * row["h_eff"] * mass * frequency, rtol=1e-4)
+
+
+def test_numbers_that_were_not_measured_are_marked(pier: EarthquakeResult) -> None:
+    """Yield stress marks strength and damping, not K_1; temperature coefficients only the cold."""
+    lines = line_properties(pier).head(1).assign(kind="", assumed="lead.yield_stress")
+    text = _links(pier, lines)
+    assert "yield strength (assumed)" in text
+    assert "before yielding (assumed)" not in text
+    text = _links(pier, lines.assign(assumed="lead.stiffness lead.yield_stress"))
+    assert "before yielding (assumed)" in text
+    sources = {"lead.yield_stress": "compound a; chosen", COEFFICIENTS[0]: "borrowed from b; c"}
+    assert assumed_properties(sources, at_reference=True) == ("lead.yield_stress",)
+    assert assumed_properties(sources, at_reference=False)[1] == COEFFICIENTS[0]
+
+
+def test_links_over_scragged_rubber_say_how_to_get_virgin(pier: EarthquakeResult) -> None:
+    lines = line_properties(pier)
+    assert lines["stiffer_virgin"].tolist() == (lines["bearing"] == HDR).tolist()
+    assert "--state virgin" in _links(pier, lines)
+    assert "--state virgin" not in _links(pier, lines[lines["bearing"] == BILINEAR])
 
 
 def test_a_report_has_tables_and_files(pier: EarthquakeResult) -> None:

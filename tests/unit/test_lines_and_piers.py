@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -15,7 +16,7 @@ from thermobearing.border.toml import to_toml
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe
 from thermobearing.earthquake.answer import main_results
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.measures import COLUMNS, cold_ratios
+from thermobearing.earthquake.measures import COLUMNS, cold_ratios, with_own_bearing
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, find_outcome
 from thermobearing.earthquake.tables import _parts_table, governing_runs, make_tables
@@ -102,6 +103,17 @@ def test_the_cold_compares_each_line_with_itself(two_kinds: tb.EarthquakeResult)
         size = change(ratio, "larger", "smaller")
         assert f"with {bearing} the mean bearing force is {size}" in sentence
     assert {row[0] for row in make_tables(two_kinds)["cold"].rows} == set(means.index)
+
+
+def test_a_written_row_of_a_line_names_its_own_bearing(two_kinds: tb.EarthquakeResult) -> None:
+    written = with_own_bearing(two_kinds.lines)
+    assert "line_bearing" not in written
+    assert "analysis_bearing" not in written
+    bearings = dict(zip(written["line"], written["bearing"], strict=True))
+    assert bearings == {"on A": "shen-hdr-bridge", "on B": "lrb-example"}
+    twice = pd.concat([two_kinds.lines, two_kinds.lines.assign(bearing="shen-lhdr-bridge")])
+    rows = with_own_bearing(twice)
+    assert not rows.duplicated(["bearing", "analysis_bearing", "motion", "ambient_degC"]).any()
 
 
 def test_the_energy_of_one_kind_is_the_mean_over_its_lines() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from thermobearing.bearing.sources import is_assumed
 from thermobearing.commands.common import (
     FILES,
     REPORT,
@@ -31,8 +32,6 @@ from thermobearing.commands.options import (
 if TYPE_CHECKING:
     from thermobearing.bearing.model import Bearing
 
-NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
-WORD = re.compile(r"[a-z]+")
 MEASURED = re.compile(r"(?<!not )\bmeasured\b")
 
 
@@ -156,8 +155,7 @@ def _not_measured(bearing: "Bearing") -> dict[str, str]:
     return {
         key: text
         for key, text in bearing.sources.items()
-        if (key.startswith("materials.") and not MEASURED.search(text))
-        or NOT_MEASURED & set(WORD.findall(text))
+        if (key.startswith("materials.") and not MEASURED.search(text)) or is_assumed(text)
     }
 
 

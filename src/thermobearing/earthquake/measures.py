@@ -181,6 +181,21 @@ def key_columns(frame: "pd.DataFrame") -> list[str]:
     return [name for name in KEYS if name in frame]
 
 
+def with_own_bearing(lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return a table of lines as it is written: `bearing` is that of the line of the row.
+
+    Of several bearings of the analysis, the column `analysis_bearing` tells rows of a line that
+    has its own bearing in all of them apart.
+    """
+    if not len(lines):
+        return lines
+    names = lines["bearing"]
+    written = lines.drop(columns="line_bearing").assign(bearing=lines["line_bearing"])
+    if names.nunique() > 1 and (names != lines["line_bearing"]).any():
+        written.insert(1, "analysis_bearing", names)
+    return written
+
+
 def cold_ratios(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return peaks of each run over those at the warmest temperature of the same run otherwise.
 

@@ -18,8 +18,9 @@ from pydantic import Field
 
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed, exposed_bilinear
-from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.library import BEARINGS, as_bearing
 from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.sources import COEFFICIENTS, STIFFNESS, assumed_properties
 from thermobearing.bearing.state import RubberState, has_excess, in_state
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path, read_data
@@ -38,7 +39,7 @@ from thermobearing.earthquake.case import EarthquakeAnalysis, OnLine, list_beari
 from thermobearing.model.axial import axial_stiffness
 from thermobearing.model.checks import checked_modulus
 from thermobearing.model.earlier import BilinearParameters
-from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined
@@ -59,6 +60,19 @@ SCRAGGED = "scragged"
 OTHER_DISPLACEMENTS = (
     "K_eff and damping also depend on the design displacement, which differs between temperatures: "
     "their ratio is not that of one loop at two temperatures."
+)
+
+LINK_WIDTH = 79  # letters of a line of links.txt
+LINK_NOTES = (
+    OTHER_DISPLACEMENTS,
+    "The effective damping is the coefficient of a dashpot, C = h K_eff T_eff/pi, with the "
+    "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
+    "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
+    "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured.",
+)
+VIRGIN_NOTE = (
+    "Rubber of {names} is scragged here. Virgin rubber is stiffer, most in its first cycle: for "
+    "upper values that count on it, run the analysis with --state virgin."
 )
 
 
@@ -104,7 +118,9 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
         bearing have one K_1/K_d. `cycle` is the third; the first at the coldest temperature of
         rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
-        the third cycle of scragged rubber. Lines that do not move are left out.
+        the third cycle of scragged rubber, `stiffer_virgin` whether rubber that is run scragged is
+        stiffer while virgin, and `assumed` the keys of the bearing file on which the properties
+        rest and which were not measured. Lines that do not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
@@ -133,7 +149,11 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
         line |= {"design_displacement_of": source}
         values = _properties(device, displacement, temperature, period, upper=coldest)
-        rows.append(labels | line | values | {"rubber": _rubber(device, state)})
+        rubber = _rubber(device, state)
+        stiffer = rubber == SCRAGGED and isinstance(device, Bearing) and has_excess(device)
+        assumed = _assumed_keys(case, device, temperature)
+        origin = {"rubber": rubber, "stiffer_virgin": stiffer, "assumed": " ".join(assumed)}
+        rows.append(labels | line | values | origin)
     return _with_one_ratio(pd.DataFrame(rows))
 
 
@@ -145,6 +165,23 @@ def _rubber(device: Bearing | BilinearBearing, state: RubberState | None) -> str
         return SCRAGGED
     # A file with the table scragging is of virgin rubber where no state is stated.
     return "virgin" if state is None else state.describe()
+
+
+def bearing_sources(case: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, str]:
+    """Return the sources of a bearing of a resolved case, by dotted key."""
+    stated = case.get("sources", {}).get(str(table["name"]), {})
+    return BEARINGS.sources(Bearing, table) | dict(stated)
+
+
+def _assumed_keys(
+    case: Mapping[str, Any], device: Bearing | BilinearBearing, temperature: float
+) -> tuple[str, ...]:
+    """Return the keys that were not measured of a bearing at a temperature [degC]."""
+    if isinstance(device, BilinearBearing):
+        return ()
+    table = next(t for t in list_bearing_tables(case) if str(t["name"]) == device.name)
+    difference = abs(temperature - device.hysteresis.reference_temperature)
+    return assumed_properties(bearing_sources(case, table), at_reference=difference <= SLACK_KELVIN)
 
 
 def _with_one_ratio(lines: "pd.DataFrame") -> "pd.DataFrame":
@@ -383,49 +420,71 @@ def hysteretic_ratios(
     return ratios
 
 
-def link_text(lines: "pd.DataFrame") -> str:
+def link_text(lines: "pd.DataFrame", bridges: "pd.DataFrame") -> str:
     """Return the properties as link elements of other programs take them, in kN and m.
 
     SAP2000 and CSiBridge: link of type "Rubber Isolator", directions U2 and U3; midas Civil:
     general link of type "Lead Rubber Bearing Isolator", directions y and z. The yield strength is
-    Q_d K_1/(K_1 - K_d).
+    Q_d K_1/(K_1 - K_d), the effective damping h_eff K_eff T_eff/pi with the effective period of the
+    bridge. `bridges` are those of `bridge_properties`.
     """
     text = [
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
         "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
         "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
-        *textwrap.wrap(OTHER_DISPLACEMENTS, 79),
     ]
-    if note := initial_stiffness_note(lines):
-        text += [*textwrap.wrap(note, 79)]
+    for note in (*LINK_NOTES, _virgin_note(lines), initial_stiffness_note(lines)):
+        text += textwrap.wrap(note, LINK_WIDTH)
+    periods = bridges.set_index(["bearing", "ambient_degC"])["effective_period_s"]
     for row in lines.to_dict("records"):
-        loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
-        assumed = " (assumed)" if row["kind"] else ""
-        values = [
-            (
-                "design displacement",
-                row["design_displacement_mm"] / KILO,
-                f"m ({row['design_displacement_of']})",
-            ),
-            ("effective stiffness", KILO * row["K_eff_kN_mm"], "kN/m"),
-            ("effective damping ratio", row["h_eff"], ""),
-            (f"stiffness before yielding{assumed}", KILO * row["K_1_kN_mm"], "kN/m"),
-            ("yield strength", loop.yield_force, "kN"),
-            (f"post-yield stiffness ratio{assumed}", row["K_d_kN_mm"] / row["K_1_kN_mm"], ""),
-            ("vertical stiffness", KILO * row["K_v_kN_mm"], "kN/m"),
-        ]
+        period = float(periods.loc[row["bearing"], row["ambient_degC"]])
         text.append(
             f"\n{row['line']}: {row['count']} bearings {row['line_bearing']} at "
             f"{row['ambient_degC']:g} degC"
         )
-        if state := cycle_note(row):
-            text += textwrap.wrap(state, 79, initial_indent="  ", subsequent_indent="  ")
+        for phrase in (cycle_note(row), _assumed_phrase(row)):
+            text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
         text += [
             f"  {name:37}{value:12.5g} {unit}".rstrip()
-            for name, value, unit in values
+            for name, value, unit in _link_values(row, period)
             if not math.isnan(value)  # the vertical stiffness of a bilinear bearing
         ]
     return "\n".join(text) + "\n"
+
+
+def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float, str]]:
+    """Return name, value and unit of each property; `period` is that of the bridge [s]."""
+    loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
+    keys = row["assumed"].split()
+    # Yield stress changes neither K_1 nor K_d; the bearing's own K_1/K_d is that of its kind.
+    stiff = any(key in (*STIFFNESS, *COEFFICIENTS) for key in keys)
+    of_any, of_ratio = (" (assumed)" * bool(flag) for flag in (keys, stiff or row["kind"]))
+    of_stiffness = " (assumed)" * stiff
+    effective = KILO * row["K_eff_kN_mm"]
+    damping = row["h_eff"] * effective * period / math.pi
+    displacement = row["design_displacement_mm"] / KILO
+    return [
+        ("design displacement", displacement, f"m ({row['design_displacement_of']})"),
+        (f"effective stiffness{of_any}", effective, "kN/m"),
+        (f"effective damping ratio{of_any}", row["h_eff"], ""),
+        (f"effective damping{of_any}", damping, f"kN s/m (T_eff {period:.4g} s)"),
+        (f"stiffness before yielding{of_ratio}", KILO * row["K_1_kN_mm"], "kN/m"),
+        (f"yield strength{of_any}", loop.yield_force, "kN"),
+        (f"post-yield stiffness ratio{of_ratio}", row["K_d_kN_mm"] / row["K_1_kN_mm"], ""),
+        (f"vertical stiffness{of_stiffness}", KILO * row["K_v_kN_mm"], "kN/m"),
+    ]
+
+
+def _virgin_note(lines: "pd.DataFrame") -> str:
+    """Return a sentence on bearings whose rubber is run scragged and is stiffer while virgin."""
+    names = dict.fromkeys(lines.loc[lines["stiffer_virgin"].astype(bool), "line_bearing"])
+    return VIRGIN_NOTE.format(names=joined(list(names), "and")) if names else ""
+
+
+def _assumed_phrase(row: Mapping[Any, Any]) -> str:
+    """Return which numbers of the bearing file were not measured; empty where all were."""
+    keys = row["assumed"].split()
+    return f"assumed in the bearing file: {', '.join(keys)}" if keys else ""
 
 
 def periods_table(

@@ -22,7 +22,7 @@ from thermobearing.earthquake.answer import (
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather, list_bearing_tables
 from thermobearing.earthquake.figures import EarthquakeFigures
-from thermobearing.earthquake.measures import tested_rows
+from thermobearing.earthquake.measures import tested_rows, with_own_bearing
 from thermobearing.earthquake.motions import given_motions_table
 from thermobearing.earthquake.panels import (
     MOST_COLUMNS,
@@ -348,9 +348,10 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         note=source,
         keep_keys=True,
     )
+    written = lines.drop(columns=["kind", "stiffer_virgin"])
     files = {
-        PROPERTIES: lines.drop(columns="kind").to_csv(index=False).encode(),
-        LINKS: link_text(lines).encode(),
+        PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
+        LINKS: link_text(lines, bridges).encode(),
     }
     tables = {"properties": table.merged("line"), "bridge_properties": bridge_table}
     periods, frame = periods_table(result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES)

@@ -666,7 +666,7 @@ class EarthquakeResult(DatasetResult):
         frames[directory.COMPONENTS] = self.components
         frames[directory.BANDS] = self.bands
         frames[directory.ROTATION] = tables.rotation_measures_frame(self)
-        frames[directory.LINES] = self.by_direction("lines")
+        frames[directory.LINES] = measures.with_own_bearing(self.by_direction("lines"))
         frames[directory.PIERS] = self.by_direction("piers")
         if self.compared:
             frames[directory.COMPARISON] = earlier.comparison_table(self.compared)

@@ -1,0 +1,46 @@
+"""Numbers of a bearing that were not measured on its rubber or lead, by the words of their source.
+
+Equivalent properties, forces in the cold and new bearing files say which of their numbers rest on
+such a source.
+"""
+
+import re
+from collections.abc import Mapping
+
+NOT_MEASURED = {"assumed", "borrowed", "chosen"}  # words in sources
+WORD = re.compile(r"[a-z]+")
+CLAUSE = re.compile(rf"\b(?:{'|'.join(sorted(NOT_MEASURED))})\b[^;]*")
+COEFFICIENTS = (  # with temperature: m_T and n_T
+    "hysteresis.elastic_temperature_coefficient",
+    "hysteresis.hysteretic_temperature_coefficient",
+)
+STIFFNESS = ("hysteresis.layer_stiffness", "lead.stiffness")
+STRENGTH = ("lead.yield_stress",)
+
+
+def is_assumed(source: str) -> bool:
+    """Return whether a source says that a number was assumed, borrowed or chosen.
+
+    >>> is_assumed("compound natural-rubber; chosen; tested cores have 7 to 20 MPa")
+    True
+    """
+    return bool(NOT_MEASURED & set(WORD.findall(source)))
+
+
+def assumed_clause(source: str) -> str:
+    """Return the words of a source from "assumed", "borrowed" or "chosen" on; else nothing.
+
+    >>> assumed_clause("compound a; borrowed from shen-hdr; Table 3.4")
+    'borrowed from shen-hdr'
+    """
+    match = CLAUSE.search(source)
+    return match[0].strip() if match else ""
+
+
+def assumed_properties(sources: Mapping[str, str], *, at_reference: bool) -> tuple[str, ...]:
+    """Return the dotted keys of assumed numbers on which stiffness, strength and damping rest.
+
+    Those of the temperature coefficients do not count at the reference temperature.
+    """
+    keys = (*STIFFNESS, *STRENGTH, *(() if at_reference else COEFFICIENTS))
+    return tuple(key for key in keys if is_assumed(sources.get(key, "")))
