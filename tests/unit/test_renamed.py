@@ -13,6 +13,7 @@ from thermobearing.border.keywords import renamed
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.cli import app
+from thermobearing.results.writing import as_attribute
 
 ROOT = Path(__file__).parents[2]
 NAMES = read_toml(data_path("renamed.toml"))["names"]
@@ -68,7 +69,7 @@ def test_functions_refuse_an_old_keyword_with_the_new_one(row: dict[str, str]) -
 
 def test_every_old_name_is_refused_where_it_was() -> None:
     """Each row is an option, a keyword, or one of the names below."""
-    tested = {*OPTIONS, *KEYWORDS, "inspect_files", "predict"}
+    tested = {*OPTIONS, *KEYWORDS, "inspect_files", "predict", "outside"}
     assert {row["new"] for row in NAMES} == tested
     with pytest.raises(AttributeError) as refused:
         _ = tb.take_in  # type: ignore[attr-defined]
@@ -76,6 +77,17 @@ def test_every_old_name_is_refused_where_it_was() -> None:
     with pytest.raises(InputError) as refused_keyword:
         tb.forecast(None, ambients=[0.0])  # type: ignore[call-arg, arg-type]
     assert '"predict"' in str(refused_keyword.value)
+
+
+def test_a_result_with_an_old_column_is_refused_with_the_new_one() -> None:
+    test = tb.cyclic_test(strain=[0.5], cycles=1)
+    result = tb.run("shen-hdr-specimen", test)
+    rows = [{**row, "passed": row["outside"]} for row in result.tested_range.to_dict("records")]
+    old = [{key: value for key, value in row.items() if key != "outside"} for row in rows]
+    attributes = {"tested_range": as_attribute(old)}
+    with pytest.raises(InputError) as refused:
+        _ = type(result)(result.dataset.assign_attrs(attributes)).tested_range
+    assert '"outside"' in str(refused.value)
 
 
 def test_factors_is_the_command_lambda() -> None:

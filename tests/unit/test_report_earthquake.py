@@ -193,7 +193,7 @@ def test_the_calibration_range_is_that_of_the_bearing_of_each_line(
     """The limits of the bearings of all lines count, and mark the strain of their own line."""
     assert plan_of_two.table["strain_line"].iloc[0] == "A1"  # with shen-hdr-bridge
     data, rows = plan_of_two.dataset, plan_of_two.tested_range
-    rows["passed"] = (rows["limit"] == "strain") & rows["run"].str.startswith(bearing)
+    rows["outside"] = (rows["limit"] == "strain") & rows["run"].str.startswith(bearing)
     said = as_attribute(rows.to_dict("records"))
     result = EarthquakeResult(data.assign_attrs(data.attrs | {"tested_range": said}))
     assert list(result.table["beyond_tested"]) == ["strain"]

@@ -90,7 +90,7 @@ def test_what_passes_the_rig_is_said_and_goes_on(result: SequenceResult) -> None
     assert not any("mm" in text for text in result.warnings)  # the stroke is enough
     rows = result.rig
     assert set(rows["limit"]) == {"force", "stroke"}
-    passed = rows[rows["part"] == "01-CL-1st"].set_index("limit")["passed"]
+    passed = rows[rows["part"] == "01-CL-1st"].set_index("limit")["outside"]
     assert dict(passed) == {"force": True, "stroke": False}
     assert result.summary()["rig"] == rows.to_dict("records")
     assert result.table["beyond_rig"][0] == "force"
@@ -160,7 +160,7 @@ def test_a_rig_in_a_test_and_in_a_study() -> None:
     case = make_earthquake_case(study, "case", ambient=[23.0], duration=1.0)
     reported = run_earthquake(case)
     assert [row["limit"] for row in reported.summary()["rig"]] == ["speed", "speed"]
-    assert reported.rig["passed"].all()
+    assert reported.rig["outside"].all()
     assert list(reported.table["beyond_rig"]) == ["speed", "speed"]
     assert any("limit of the rig is 9 mm/s" in text for text in reported.warnings)
 
@@ -177,7 +177,7 @@ def test_a_rig_by_name_in_python_and_on_the_command_line(tmp_path: Path) -> None
         done = command(name, *quick, *more, "-o", tmp_path / name)
         assert done.exit_code == 0, done.output
         (row,) = pd.read_csv(tmp_path / name / "rig.csv").to_dict("records")
-        assert (row["limit"], row["largest"], row["passed"]) == ("force", 1.0, True)
+        assert (row["limit"], row["largest"], row["outside"]) == ("force", 1.0, True)
     wrong = command("cyclic", "--rig", "shen-rigg", "-o", tmp_path / "wrong")
     assert wrong.exit_code == 2
     assert 'did you mean "shen-rig"' in wrong.stderr

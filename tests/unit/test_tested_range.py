@@ -83,13 +83,13 @@ def test_rows_take_the_end_that_is_farther_out() -> None:
         (25.1, 25.1, True),
     ):
         (row,) = compared("x", {"air": demand}, limits, units, slack=0.02)
-        assert (row["demand"], row["passed"]) == (end, passed)
+        assert (row["demand"], row["outside"]) == (end, passed)
     assert compared("x", {"air": float("nan")}, limits, units) == []
     for strain, passed in ((2.54, False), (2.56, True)):  # within two hundredths of 2.5
         rows = compared(
             "x", {"strain": strain}, {"strain": (0.5, 2.5)}, {"strain": "1"}, slack=0.02
         )
-        assert rows[0]["passed"] == passed
+        assert rows[0]["outside"] == passed
 
 
 def test_cycles_in_a_row_begin_anew_after_a_rest() -> None:
@@ -108,14 +108,14 @@ def test_cycles_in_a_row_begin_anew_after_a_rest() -> None:
 def test_the_test_of_table_3_4_is_inside() -> None:
     for name, wave in ((SPECIMEN, "triangular"), ("shen-lhdr-specimen", "sine")):
         result = tb.run(name, tb.cyclic_test(wave=wave, dt=0.05), [-20.0, 23.0])
-        assert not result.tested_range["passed"].any()
+        assert not result.tested_range["outside"].any()
         assert not any("tested" in text for text in result.warnings)
 
 
 def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
     test = history(strain=3.5, speed=300.0)
     result = tb.run("shen-lhdr-specimen", test, [-60.0, 23.0])
-    left = result.tested_range[result.tested_range["passed"]]
+    left = result.tested_range[result.tested_range["outside"]]
     cold, warm = ("the run at -60 degC", "the run at 23 degC")
     assert set(left["run"] + " " + left["limit"]) == {
         f"{cold} strain",

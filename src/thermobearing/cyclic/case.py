@@ -341,7 +341,7 @@ def beyond(rig: Rig | None, rows: Sequence[Row]) -> list[Warned]:
             EXCEEDED,
         )
         for row in rows
-        if row["passed"]
+        if row["outside"]
     ]
 
 

@@ -184,8 +184,8 @@ def key_columns(frame: "pd.DataFrame") -> list[str]:
 def with_own_bearing(lines: "pd.DataFrame") -> "pd.DataFrame":
     """Return a table of lines as it is written: `bearing` is that of the line of the row.
 
-    Of several bearings of the analysis, the column `analysis_bearing` tells rows of a line that
-    has its own bearing in all of them apart.
+    A line with its own bearing has it in every analysis of several: the column `analysis_bearing`
+    then says which analysis a row is of.
     """
     if not len(lines):
         return lines

@@ -139,7 +139,7 @@ class ComparisonFigures(drawing.Figures):
             row["largest"] / row["demand"] * record.peak_displacement
             for comparison, _ in self._comparisons(record)
             for row in comparison.compared
-            if row["limit"] == "strain" and row["passed"] and row["demand"] > row["largest"]
+            if row["limit"] == "strain" and row["outside"] and row["demand"] > row["largest"]
         ]
         return min(ends, default=np.inf)
 

@@ -176,7 +176,7 @@ def limit_checks(
     for (bearing, limit), group_rows in groups.items():
         name = f"{bearing}: {titles[limit]}" if bearing else titles[limit]
         # The upper end always, the lower one only where a run passes it.
-        passed = [row for row in group_rows if row["passed"]]
+        passed = [row for row in group_rows if row["outside"]]
         too_low = [row for row in passed if row["demand"] < row["lowest"]]
         above = largest_by(group_rows, lambda row: float(row["demand"]))
         runs = runs_of(row for row in passed if row not in too_low)
@@ -196,7 +196,7 @@ def _check(
     unit, factor = ("%", 100.0) if row["limit"] == "strain" else printed_unit(str(row["unit"]))
     outside = value < limit if lower else value > limit
     # A value that is outside by no more than the slack is still within; the source says so.
-    passed = bool(row["passed"]) and outside
+    passed = bool(row["outside"]) and outside
     if outside and not passed:
         allowance = f"{SLACK_KELVIN:g} K" if row["unit"] == "degC" else f"{100.0 * SLACK:.0f} %"
         source = f"{source}, and {allowance} more"
@@ -298,7 +298,7 @@ def _verdict(
 def beyond_mark(rows: Iterable[Row], run: str, limit: str, value: float) -> bool:
     """Return whether a value of a run lies outside the range, and the run was found to leave it."""
     exceeded_rows = [
-        row for row in rows if (row["run"], row["limit"]) == (run, limit) and row["passed"]
+        row for row in rows if (row["run"], row["limit"]) == (run, limit) and row["outside"]
     ]
     return any(not row["lowest"] <= value <= row["largest"] for row in exceeded_rows)
 

@@ -10,15 +10,17 @@ from typing import Any, ClassVar
 
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, short_repr
+from thermobearing.border.keywords import renamed
 from thermobearing.border.lazy import pd, xr
 from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
-from thermobearing.results.ranges import largest_tested
+from thermobearing.results.ranges import OUTSIDE, largest_tested
 from thermobearing.results.screen import print_warnings, say, show_table, table_html
 from thermobearing.results.writing import from_attribute, warnings_of, write_csv, write_summary
 
 COMPLETED = "completed"
+RANGE_TABLES = ("rig", "tested_range")  # whose rows are those of `compared`
 
 
 @checked
@@ -226,4 +228,9 @@ class DatasetResult(Result):
 
     def _rows(self, name: str) -> "pd.DataFrame":
         rows = from_attribute(self.dataset, name) if name in self.dataset.attrs else []
+        if name in RANGE_TABLES and rows and OUTSIDE not in rows[0]:
+            old_names = [
+                f'{name}: "{key}"{text}' for key in rows[0] if (text := renamed(key, [OUTSIDE]))
+            ]
+            raise InputError([*old_names, "run the case of this result again"], "result")
         return pd.DataFrame(rows)

@@ -34,6 +34,7 @@ WARM_LEAD = 40.0  # rise of lead from which the adjacent rubber is mentioned [K]
 EXTREME = 0.5  # part of the largest displacement above which an extreme counts
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
+OUTSIDE = "outside"  # column: whether a limit is exceeded
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
 TESTED_TO = " tested ("
 OF_VALIDITY = (NOT_GIVEN, TESTED_TO, "the range of the temperature law")
@@ -58,7 +59,7 @@ def compared(
 
     `reached` has the value of each quantity, or its lowest and highest (NaN: none), `limits` the
     lowest and largest value that is allowed. Beyond `slack`, a part of the range (of its width or
-    upper end; of temperatures 2 K at least), the limit is passed; the row has the end that is
+    upper end; of temperatures 2 K at least), the run is outside; the row has the end that is
     farther out.
     """
     rows = []
@@ -78,7 +79,7 @@ def compared(
                 "demand": float(ends[0] if below > max(above, 0.0) else ends[1]),
                 "lowest": float(low),
                 "largest": float(high),
-                "passed": bool(max(below, above) > allowance),
+                OUTSIDE: bool(max(below, above) > allowance),
             }
         )
     return rows
@@ -171,7 +172,7 @@ def extrapolation(rows: Iterable[Mapping[Any, Any]], *, only: Collection[str] = 
     square = 0.0
     for row in rows:
         limit, low, high, value = (row[k] for k in ("limit", "lowest", "largest", "demand"))
-        if not row["passed"] or limit not in limits or limit not in only:
+        if not row["outside"] or limit not in limits or limit not in only:
             continue
         if limit == "ambient" and low == high:
             continue
@@ -221,7 +222,7 @@ def outside_tests(
     ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
     for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):
         _, title, factor, unit = TESTED[limit]
-        passed = [row for row in rows if row["limit"] == limit and row["passed"]]
+        passed = [row for row in rows if row["limit"] == limit and row["outside"]]
         if out := [row for row in passed if sign * (row["demand"] - row[end]) > 0]:
             worst = out[place_of_largest([sign * row["demand"] for row in out])]
             where = str(worst["run"]).removeprefix(f"{name}, ")
@@ -247,7 +248,7 @@ def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     Most earthquakes exceed them, so this is a note and not a warning.
     """
     rates = [row for row in rows if row["limit"] == "strain_rate"]
-    out = [row for row in rates if row["passed"] and row["demand"] > row["largest"]]
+    out = [row for row in rates if row["outside"] and row["demand"] > row["largest"]]
     if not out:
         return ""
     worst = largest_by(out, lambda row: float(row["demand"] / row["largest"]))
@@ -305,5 +306,5 @@ def largest_tested(rows: Iterable[Mapping[Any, Any]], run: str, limit: str) -> f
 
 def limits_passed(rows: Iterable[Mapping[Any, Any]], runs: Sequence[str]) -> list[str]:
     """Return the names of the limits that each run passes, for a column of a table."""
-    passed = [(row["run"], str(row["limit"])) for row in rows if row["passed"]]
+    passed = [(row["run"], str(row["limit"])) for row in rows if row["outside"]]
     return [" ".join(limit for name, limit in passed if name == run) for run in runs]

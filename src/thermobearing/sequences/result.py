@@ -207,7 +207,7 @@ class SequenceResult(Result):
 
 def _passed(table: "pd.DataFrame") -> str:
     """Return the names of the limits that a part exceeds."""
-    return " ".join(table["limit"][table["passed"]]) if len(table) else ""
+    return " ".join(table["limit"][table["outside"]]) if len(table) else ""
 
 
 def _parts_table(result: SequenceResult) -> Table:

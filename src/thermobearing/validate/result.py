@@ -152,7 +152,7 @@ class Validation(Result):
             for name, error in item.errors.items():
                 row[f"{name}_error"] = error
                 row[f"{name}_verdict"] = _verdict(self.limits, name, error)
-            row["beyond_tested"] = " ".join(r["limit"] for r in item.compared if r["passed"])
+            row["beyond_tested"] = " ".join(r["limit"] for r in item.compared if r["outside"])
             ratios = item.largest.ratios if item.largest else {}
             rows.append(row | {f"{name}_ratio": ratios.get(name, NAN) for name in RATIOS})
         return pd.DataFrame(rows)
