@@ -31,6 +31,7 @@ from thermobearing.earthquake.properties import (
     motions_for_mean,
     nominal_stiffness,
     periods_table,
+    temperature_note,
 )
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
@@ -322,6 +323,14 @@ def test_numbers_that_were_not_measured_are_marked(pier: EarthquakeResult) -> No
     sources = {"lead.yield_stress": "compound a; chosen", COEFFICIENTS[0]: "borrowed from b; c"}
     assert assumed_properties(sources, at_reference=True) == ("lead.yield_stress",)
     assert assumed_properties(sources, at_reference=False)[1] == COEFFICIENTS[0]
+
+
+def test_borrowed_temperature_coefficients_are_named(pier: EarthquakeResult) -> None:
+    sources = {COEFFICIENTS[0]: "compound a; borrowed from b; c", COEFFICIENTS[1]: "fitted"}
+    case = {"bearings": [{"name": "x", "kind": "HDR"}], "sources": {"x": sources}}
+    assert "of x borrowed from b. " in temperature_note(case)
+    assert temperature_note(case | {"sources": {"x": {COEFFICIENTS[1]: "fitted"}}}) == ""
+    assert temperature_note(tomllib.loads(pier.dataset.attrs["case"])) == ""  # measured
 
 
 def test_links_over_scragged_rubber_say_how_to_get_virgin(pier: EarthquakeResult) -> None:

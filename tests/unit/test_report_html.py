@@ -538,6 +538,15 @@ def test_limits_that_are_not_entered_are_one_sentence(tmp_path):
     assert isinstance(alone, TableBlock)
 
 
+def test_warnings_say_how_many_stand_under_validity(tmp_path):
+    pieces = replace(PIECES, validity=["a", "b"], validity_unknown="c", warnings=["d"])
+    last = arranged_blocks("{{ warnings }}", tmp_path, pieces)[-1]
+    assert re.findall(r"\d+ more", last.text) == ["3 more"]
+    pieces = replace(pieces, validity=[], validity_unknown="", warnings=["d"])
+    (bullets,) = arranged_blocks("{{ warnings }}", tmp_path, pieces)
+    assert bullets.items == ["d"]
+
+
 @pytest.mark.parametrize(
     ("value", "limit", "shown"),
     [

@@ -146,6 +146,8 @@ def test_long_tables_go_over_pages_with_their_heads() -> None:
     assert len(with_head) >= 3
     reported = joined(raw)
     assert all(f"run {k} " in reported for k in range(240))
+    # Its number and caption too, on each page but the first of them.
+    assert ["(continued)" in text for text in with_head] == [False] + [True] * (len(with_head) - 1)
 
 
 @pytest.mark.parametrize(("count", "turned"), [(8, False), (14, True), (40, True)])

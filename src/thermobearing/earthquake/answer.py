@@ -1,5 +1,6 @@
 """Main results of an analysis of earthquakes in sentences, as a report begins."""
 
+import tomllib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -8,11 +9,14 @@ import numpy as np
 from thermobearing import reported
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
+from thermobearing.border.units import parse_quantity
 from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
+from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
+from thermobearing.earthquake.properties import temperature_note
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
-from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
 from thermobearing.quantities.words import (
     change,
     counted,
@@ -33,11 +37,25 @@ def main_results(result: EarthquakeResult) -> list[str]:
     if not result.runs:
         return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
     cold = _cold(result)
-    answer = [*_early_end_sentences(result), cold, _yielding(result), _governing(result)]
+    note = _temperature_note(result)
+    answer = [*_early_end_sentences(result), cold, note, _yielding(result), _governing(result)]
     if not cold:
         answer.append(_heating(result))
     answer.append(_other_bound(result))
     return [sentence for sentence in answer if sentence]
+
+
+def _temperature_note(result: EarthquakeResult) -> str:
+    """Return which coefficients were not measured, if a temperature is not that of their law."""
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    references = [
+        parse_quantity(str(table["hysteresis"]["reference_temperature"]), "degC")
+        for table in list_bearing_tables(case)
+        if table.get("kind") != "bilinear"
+    ]
+    ambients = result.table["ambient_degC"]
+    differences = [abs(ambients - reference).max() for reference in references]
+    return temperature_note(case) if max(differences, default=0.0) > SLACK_KELVIN else ""
 
 
 def _early_end_sentences(result: EarthquakeResult) -> list[str]:

@@ -20,7 +20,12 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed, exposed_bilinear
 from thermobearing.bearing.library import BEARINGS, as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.sources import COEFFICIENTS, STIFFNESS, assumed_properties
+from thermobearing.bearing.sources import (
+    COEFFICIENTS,
+    STIFFNESS,
+    assumed_clause,
+    assumed_properties,
+)
 from thermobearing.bearing.state import RubberState, has_excess, in_state
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path, read_data
@@ -69,6 +74,10 @@ LINK_NOTES = (
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
     "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured.",
+)
+TEMPERATURE_NOTE = (
+    "Effects of temperature rest on coefficients m_T and n_T that were not measured on the rubber: "
+    "{phrases}. Compare them with factors of the maker or of a code (thermobearing lambda)."
 )
 VIRGIN_NOTE = (
     "Rubber of {names} is scragged here. Virgin rubber is stiffer, most in its first cycle: for "
@@ -171,6 +180,20 @@ def bearing_sources(case: Mapping[str, Any], table: Mapping[str, Any]) -> dict[s
     """Return the sources of a bearing of a resolved case, by dotted key."""
     stated = case.get("sources", {}).get(str(table["name"]), {})
     return BEARINGS.sources(Bearing, table) | dict(stated)
+
+
+def temperature_note(case: Mapping[str, Any]) -> str:
+    """Return which temperature coefficients of a case were not measured, and what to do about it.
+
+    Empty where those of all bearings were.
+    """
+    phrases = []
+    for table in list_bearing_tables(case):
+        sources = bearing_sources(case, table)
+        clauses = dict.fromkeys(assumed_clause(sources.get(key, "")) for key in COEFFICIENTS)
+        if origins := [clause for clause in clauses if clause]:
+            phrases.append(f"of {table['name']} {joined(origins)}")
+    return TEMPERATURE_NOTE.format(phrases=joined(phrases)) if phrases else ""
 
 
 def _assumed_keys(

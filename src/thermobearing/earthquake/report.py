@@ -40,6 +40,7 @@ from thermobearing.earthquake.properties import (
     line_properties,
     link_text,
     periods_table,
+    temperature_note,
 )
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import structure_balance
@@ -218,6 +219,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     layered = any(table.get("kind") != "bilinear" for table in list_bearing_tables(case))
     sentences += [reported.undecided()] if layered and result.bands.empty else []
     sentences += reported.model_assumptions(analysis, list_bearing_tables(case), plane=plan)
+    sentences.append(temperature_note(case))
     return [text for text in sentences if text]
 
 

@@ -49,6 +49,7 @@ PLACEHOLDER = re.compile(r"\{\{\s*(\w+)(?:\s+([\w.-]+)(\?)?)?\s*\}\}")
 HEADING = re.compile(r"(#{1,3})\s+(.+)")
 ALL_VALID = "ll results lie inside the calibration range."
 EXTRAPOLATED = "Results outside the calibration range of a bearing are extrapolated."
+WARNINGS_OF_RANGE = "warnings on the calibration range are"
 ACTIONS = {  # what to do about a check, by its verdict and the beginning of the limit's source
     f"{EXCEEDED} {TESTED_RANGE}": "Do not rely on results outside the calibration range, or extend "
     "the range by tests of the bearing.",
@@ -214,6 +215,17 @@ def _listed(items: Sequence[str], kind: str = "") -> list[Block]:
     return [Bullets(items, kind)] if items else []
 
 
+def _warnings(pieces: Pieces) -> list[Block]:
+    """Return the warnings that are about no range, and how many stand under Validity."""
+    elsewhere = len(pieces.validity) + bool(pieces.validity_unknown)
+    blocks = _listed(pieces.warnings, "warning")
+    if not elsewhere:
+        return blocks
+    subject = "warning on the calibration range is" if elsewhere == 1 else WARNINGS_OF_RANGE
+    more = "more " if blocks else ""
+    return [*blocks, Paragraph(""), Paragraph(f"{elsewhere} {more}{subject} under Validity.")]
+
+
 SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "question": lambda pieces: [Paragraph(pieces.question)],
     "answer": lambda pieces: _listed(pieces.answer, "answer"),
@@ -224,7 +236,7 @@ SECTIONS: Mapping[str, Callable[[Pieces], list[Block]]] = {
     "validity": _validity,
     "energy": lambda pieces: [TableBlock("energy", pieces.energy)] if pieces.energy else [],
     "assumptions": lambda pieces: _listed(pieces.assumptions),
-    "warnings": lambda pieces: _listed(pieces.warnings, "warning"),
+    "warnings": _warnings,
     "identity": _identity,
     "live": lambda pieces: [pieces.live] if pieces.live else [],
     "signatures": lambda pieces: (
