@@ -14,7 +14,7 @@ from thermobearing.motions.library import load_motion, save_motion
 from thermobearing.motions.matching import misfit
 from thermobearing.motions.record import STANDARD_GRAVITY, GroundMotion
 from thermobearing.motions.run import examine_motion, make_motion_case, run_motion
-from thermobearing.motions.targets import load_spectrum
+from thermobearing.motions.targets import load_spectrum, read_target, target_text
 
 AASHTO: dict[str, Any] = {"shape": "aashto", "A_s": "0.4 g", "S_DS": "1 g", "S_D1": "0.6 g"}
 ASCE: dict[str, Any] = {"shape": "asce-7", "S_DS": "9.80665 m/s2", "S_D1": "0.5 g", "T_L": "4 s"}
@@ -150,3 +150,19 @@ def test_a_ground_that_drifts_is_warned_of() -> None:
     moved = examine_motion(GroundMotion("fling", 0.01, shaking + 400.0 * fling))
     assert abs(moved.measures.end_displacement) > 900.0
     assert moved.warnings == []
+
+
+def test_a_first_row_of_period_zero_is_the_acceleration_of_the_ground(tmp_path: Path) -> None:
+    file = tmp_path / "site.csv"
+    rows = ["0,0.4", "0.1,1.0", "0.5,1.0", "4,0.125"]
+    file.write_text("\n".join(["period [s],acceleration [g]", *rows]))
+    spectrum = load_spectrum(file)
+    assert spectrum.ground_acceleration == pytest.approx(0.4 * STANDARD_GRAVITY)
+    values = spectrum.at([0.025, 0.05, 0.1, 0.5]) / STANDARD_GRAVITY
+    assert_allclose(values, [0.55, 0.7, 1.0, 1.0], rtol=1e-12)
+    assert read_target(target_text(spectrum)) == spectrum  # in the header of a motion
+    file.write_text("\n".join(["period [s],acceleration [g]", *rows[1:]]))
+    assert load_spectrum(file).ground_acceleration is None
+    file.write_text("\n".join(["period [s],acceleration [g]", "-0.1,0.4", *rows[1:]]))
+    with pytest.raises(InputError):
+        load_spectrum(file)

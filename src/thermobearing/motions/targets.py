@@ -68,17 +68,22 @@ class StandardSpectrum(NamedTuple):
 class TableSpectrum(NamedTuple):
     """S(T) on straight lines between points [s], [mm/s2], both axes logarithmic.
 
-    Below the first period it stays as it is, above the last it falls with 1/T: motions are
+    Below the first period it stays as it is, or is straight in T from `start`, the acceleration of
+    the ground at T = 0, if that is stated. Above the last period it falls with 1/T: motions are
     compared from 0.1 to 3 s, and adjusted a little beyond.
     """
 
     periods: tuple[float, ...]
     values: tuple[float, ...]
+    start: float | None = None
 
     def at(self, periods: Floats) -> Floats:
         """Return the acceleration at periods > 0 [mm/s2]."""
         x, y = np.log(self.periods), np.log(self.values)
         inside = np.exp(np.interp(np.log(periods), x, y))
+        if self.start is not None:
+            share = np.minimum(periods / self.periods[0], 1.0)
+            inside = inside * share + self.start * (1.0 - share)
         return np.asarray(inside * np.minimum(1.0, self.periods[-1] / periods))
 
 
@@ -135,8 +140,9 @@ class DesignSpectrum:
 
     @property
     def ground_acceleration(self) -> float | None:
-        """Acceleration at period zero of the shape of a code [mm/s2], such as A_s; else None."""
-        return self.factor * self.curve.start if isinstance(self.curve, CodeSpectrum) else None
+        """Acceleration at period zero [mm/s2], such as A_s of a code; None if it is not stated."""
+        start = None if isinstance(self.curve, StandardSpectrum) else self.curve.start
+        return None if start is None else self.factor * start
 
     def at(self, periods: ArrayLike) -> Floats:
         """Return the absolute acceleration at natural periods > 0 [mm/s2].
@@ -159,7 +165,7 @@ class _SavedTarget(Strict):
     """A target spectrum in the header of a file; accelerations in mm/s2, periods in s.
 
     A standard spectrum is known by its name, the shape of a code by `start`, `plateau` and
-    `corners`, a table by `periods` and `values`.
+    `corners`, a table by `periods` and `values`, with the `start` at T = 0 where it has one.
     """
 
     name: str
@@ -181,7 +187,7 @@ class _SavedTarget(Strict):
             first, second, third = (*self.corners, np.inf)[:3]
             curve = CodeSpectrum(self.start, self.plateau, (first, second, third))
         elif len(self.periods) == len(self.values) > 1 and increasing:
-            curve = TableSpectrum(self.periods, self.values)
+            curve = TableSpectrum(self.periods, self.values, self.start)
         elif STANDARD.fullmatch(self.name):
             curve = _spectra()[find_kind(self.name)]
         else:
@@ -195,7 +201,7 @@ def target_text(target: DesignSpectrum) -> str:
     texts = {"citation": target.citation, "caveat": target.caveat}
     curve: dict[str, Any] = {}
     if not isinstance(target.curve, StandardSpectrum):
-        curve = target.curve._asdict()
+        curve = {k: value for k, value in target.curve._asdict().items() if value is not None}
     if isinstance(target.curve, CodeSpectrum):  # JSON has no infinity
         curve["corners"] = [corner for corner in target.curve.corners if np.isfinite(corner)]
     return json.dumps(entries | {key: text for key, text in texts.items() if text} | curve)
@@ -414,7 +420,8 @@ def load_spectrum(
     ----------
     name_or_path : a standard spectrum of Level 2, "jra-<type>-<ground>", such as "jra-ii-i"; a file
         with columns `period` [s] and `acceleration` (with its unit: gal, g, m/s2 ...), from 0.1 s
-        or less to 3 s or more; or the shape of a code with its numbers, as a mapping or a TOML
+        or less to 3 s or more, and the acceleration of the ground in a first row of period 0 if
+        it is known; or the shape of a code with its numbers, as a mapping or a TOML
         file: `shape` "aashto" with A_s, S_DS and S_D1, "asce-7" with S_DS, S_D1 and T_L, or
         "en-1998-1" with `type` (1 or 2), `ground` ("A" to "E") and a_g.
     factor : multiplies the spectrum, in [0.01, 2] of a standard spectrum (c_z).
@@ -479,14 +486,22 @@ def _read_points(path: Path) -> TableSpectrum:
     if not (np.diff(periods) > 0.0).all():
         k = int(np.argmin(np.diff(periods) > 0.0))
         raise InputError(f"periods do not increase from {periods[k]:g} to {periods[k + 1]:g} s")
-    if not (periods[0] > 0.0 and values.min() > 0.0):
-        raise InputError("periods and accelerations must be greater than 0")
+    if periods[0] < 0.0 or values.min() <= 0.0:
+        raise InputError(
+            "accelerations must be greater than 0, and periods too, but for a first row of period "
+            "0 with the acceleration of the ground"
+        )
+    start = None
+    if periods[0] == 0.0:  # no logarithm: the peak ground acceleration
+        start, periods, values = float(values[0]), periods[1:], values[1:]
+    if not len(periods):
+        raise InputError("has the acceleration of the ground alone")
     if periods[0] > FIRST or periods[-1] < LAST:
         raise InputError(
             f"reaches from {periods[0]:g} to {periods[-1]:g} s; motions are fitted from {FIRST:g} "
             f"to {LAST:g} s"
         )
-    return TableSpectrum(tuple(periods.tolist()), tuple(values.tolist()))
+    return TableSpectrum(tuple(periods.tolist()), tuple(values.tolist()), start)
 
 
 def _find_column(table: Table, quantity: str, names: tuple[str, ...]) -> int:
