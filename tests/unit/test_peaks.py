@@ -39,8 +39,10 @@ def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
     assert few_motions(motions, "largest") == []
     (said,) = few_motions(motions, "mean")
     assert said.endswith(" jra-i-i has 1")
-    (said,) = few_motions(mine[1:], "mean")
+    (said,) = few_motions(mine, "mean")
     assert said.endswith(f" {OTHERS} has 2")
+    (said,) = few_motions(mine[1:], "mean")  # nobody entered a group
+    assert said.endswith(" there are 2")
 
 
 def test_a_round_finds_the_mean_where_the_case_says_so() -> None:

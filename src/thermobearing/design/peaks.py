@@ -96,8 +96,11 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[Warned]:
     groups = [mean_group(motion) for motion in motions]
     counts = {group: groups.count(group) for group in groups}
     small_groups = [f"{group} has {count}" for group, count in counts.items() if count < least]
-    needs = f"the largest peaks are used; a mean needs {least} motions or more of a group"
-    sentence = f"{needs}, and {', '.join(small_groups)}"
+    needs = f"the largest peaks are used; a mean needs {least} motions or more"
+    sentence = f"{needs} of a group, and {', '.join(small_groups)}"
+    # Without groups of the case, motions that are too few together need no word on groups.
+    if not any(motion.group for motion in motions) and len(motions) < least:
+        sentence = f"{needs}, and there {'is' if len(motions) == 1 else 'are'} {len(motions)}"
     return [Warned(sentence, "few_motions")] if small_groups else []
 
 

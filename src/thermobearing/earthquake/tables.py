@@ -649,7 +649,11 @@ def _loops_table(result: "EarthquakeResult") -> Table:
         "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2)."
     )
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
-    closed = frame[frame["loop_K_eq_kN_mm"].notna()]
+    is_closed = frame["loop_K_eq_kN_mm"].notna()
+    closed, open_keys = frame[is_closed], frame.loc[~is_closed, keys]
+    if len(open_keys):
+        places = ["; ".join(map(str, row)) for row in open_keys.itertuples(index=False)]
+        note = f"{note} Without a row, since the loop does not close: {joined(places)}."
     return make_table(closed, [*keys, *LOOP], caption, keys=len(keys), note=note)
 
 

@@ -130,7 +130,7 @@ def lead_check_rows(
         run,
         bearing,
         [
-            Check(f"lead: melting {int(melting)} degC", value, melting, "degC", sources[0]),
+            Check("lead: melting", value, melting, "degC", sources[0]),
             Check(f"lead: {share:g} of melting", value, share * melting, "degC", sources[1]),
         ],
     )

@@ -218,6 +218,9 @@ def _value_and_limit(check: Check) -> tuple[float, str]:
         value, limit = format_number(check.value, form), format_number(check.limit, form)
         if value != limit or check.value == check.limit:
             break
+    # A limit that has four digits is shown with them: 327.5, not 328.
+    if float(f"{check.limit:.4g}") == check.limit:
+        limit = format_number(check.limit, max(form, ".4g"))
     # From 1000 on, `format_number` keeps all digits before the point: 1765, as entered.
     return float(value.replace(MINUS, "-")), f"{sign} {limit}"
 
