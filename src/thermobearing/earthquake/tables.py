@@ -111,16 +111,9 @@ PARTS: Final = {
         "top_acceleration_max_m_s2",
     ),
 }
-LOOP: Final = (  # of the largest loop: properties first, then the extremes that give them
-    "loop_K_eq_kN_mm",
-    "loop_h_eq",
-    "loop_G_e_MPa",
-    "loop_D_plus_mm",
-    "loop_D_minus_mm",
-    "loop_F_plus_kN",
-    "loop_F_minus_kN",
-    "loop_energy_kN_mm",
-)
+EXTREMES: Final = ("D_plus_mm", "D_minus_mm", "F_plus_kN", "F_minus_kN", "energy_kN_mm")
+# Of the largest loop: properties first, then the extremes that give them.
+LOOP: Final = [f"loop_{n}" for n in ("K_eq_kN_mm", "h_eq", "G_e_MPa", *EXTREMES)]
 MOST_ROWS: Final = 24  # of lines, piers or checks on the console: of more, the largest of all
 FAST, SLOW = "rt", "pd"
 RATIOS: Final = {  # of a real-time test over the pseudo-dynamic one: column of the table of runs
