@@ -448,8 +448,8 @@ class EarthquakeFigures(Panels):
         names = {part: list(dict.fromkeys(table[part])) for part, table in tables.items()}
         if "pier" in names:  # the table begins with the pier of the report
             bodies = tomllib.loads(str(self._data.attrs["case"]))["structure"]["bodies"]
-            order = {str(body["name"]): place for place, body in enumerate(bodies)}
-            names["pier"].sort(key=lambda name: order.get(name, -1))
+            place_by_body = {str(body["name"]): place for place, body in enumerate(bodies)}
+            names["pier"].sort(key=lambda name: place_by_body.get(name, -1))
         motions, rows = self._motions, (len(shown) + 1) // 2
         most_parts = max(len(parts) for parts in names.values())
         size = (max(3.6, 1.0 + 0.8 * most_parts) * 2, 2.7 * rows + 0.9)
