@@ -5,7 +5,7 @@ Input: names, units and numbers; output: table rows and sentences, for all analy
 
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from itertools import product
+from itertools import pairwise, product
 from statistics import NormalDist
 from typing import Any
 
@@ -32,6 +32,13 @@ SLACK = 0.02
 MARKED = "Marked: outside the calibration range of the bearing"
 WARM_LEAD = 40.0  # rise of lead from which the adjacent rubber is mentioned [K]
 EXTREME = 0.5  # part of the largest displacement above which an extreme counts
+# Legs of a measured history, whose slopes are its speed.
+LEAST_LEG = 0.1  # of the largest displacement, to either side
+MIDDLE = 0.8  # of the way of a leg
+FEWEST_OF_LEG = 6  # samples of the middle
+LARGEST_STEP = 0.5  # of the time of the middle
+CURVED = 1.2  # residual of a line over that of a cubic, above which the leg is curved
+OFF_LEG = 0.02  # of the way: residual of a leg that neither describes
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
 OUTSIDE = "outside"  # column: whether a limit is exceeded
@@ -126,15 +133,49 @@ def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
 
 
 def largest_speed(time: Floats, displacement: Floats) -> float:
-    """Return that of a measured history [mm/s], over a tenth of half a cycle to reduce noise."""
-    large = np.flatnonzero(np.abs(displacement) > EXTREME * np.abs(displacement).max())
+    """Return that of a measured history [mm/s], of the fastest of its legs.
+
+    A line or, where that fits clearly better, a cubic describes the middle of a leg, so that noise
+    hardly changes its slope. Legs that neither describes, such as those with a rest or of an
+    earthquake, count only where there are no others: then the speed is the largest mean over a
+    tenth of half a cycle.
+    """
+    large = np.flatnonzero(np.abs(displacement) > LEAST_LEG * np.abs(displacement).max())
     if len(time) < 2 or not len(large):
         return 0.0
-    turns = large[np.flatnonzero(np.diff(np.sign(displacement[large]), prepend=0.0))]
+    starts = np.flatnonzero(np.diff(np.sign(displacement[large]), prepend=0.0))
+    sides = np.split(large, starts[1:])
+    turns = [int(side[np.abs(displacement[side]).argmax()]) for side in sides]
+    slopes = [_slope_of_leg(time, displacement, leg) for leg in pairwise(turns)]
+    if fitted := [slope for slope in slopes if slope is not None]:
+        return max(fitted)
     spacing = np.diff(turns) if len(turns) > 1 else np.array([len(time)])
     lag = min(max(1, int(np.median(spacing)) // 10), len(time) - 1)
     travel = np.abs(displacement[lag:] - displacement[:-lag])
     return float((travel / np.maximum(time[lag:] - time[:-lag], np.finfo(float).tiny)).max())
+
+
+def _slope_of_leg(time: Floats, displacement: Floats, leg: tuple[int, int]) -> float | None:
+    """Return the largest slope in the middle of a leg; None if no line or cubic describes it.
+
+    The middle is a part MIDDLE of the way: a constant speed ends at the turns.
+    """
+    x, elapsed = (values[leg[0] : leg[1] + 1] for values in (displacement, time))
+    progress = (x - x[0]) / (x[-1] - x[0])
+    begin = int(np.flatnonzero(progress < 0.5 * (1.0 - MIDDLE))[-1])
+    ends = np.flatnonzero(progress > 0.5 * (1.0 + MIDDLE))
+    rows = slice(begin, int(ends[0]) + 1)
+    x, elapsed = x[rows], elapsed[rows]
+    # A gap in time is a rest, whatever curve joins its ends.
+    if len(x) < FEWEST_OF_LEG or np.diff(elapsed).max() > LARGEST_STEP * np.ptp(elapsed):
+        return None
+    line, cubic = (np.polynomial.Polynomial.fit(elapsed, x, degree) for degree in (1, 3))
+    of_line, of_cubic = (float(np.std(curve(elapsed) - x)) for curve in (line, cubic))
+    # A cubic through the noise of a constant speed would be too steep at its ends.
+    curve, residual = (line, of_line) if of_line < CURVED * of_cubic else (cubic, of_cubic)
+    if residual > OFF_LEG * np.ptp(x):
+        return None
+    return float(np.abs(curve.deriv()(elapsed)).max())
 
 
 def compare_with_tests(
