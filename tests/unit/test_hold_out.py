@@ -219,7 +219,7 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     assert reported["held_out"]["verdict"] == "beyond"
     assert [test["role"] for test in reported["held_out"]["tests"]] == ["fitted"] * 2 + ["held out"]
     assert len(reported["records"]) == 2
-    fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv"}
+    fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv", "inputs.sha256"}
     assert {path.name for path in out.iterdir()} == fitted | {"table.csv", "cycles.csv"}
 
 

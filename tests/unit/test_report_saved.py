@@ -1,5 +1,6 @@
 """What the documents of fits, validations, factors, bounds, designs and motions say."""
 
+import hashlib
 import json
 import shutil
 from dataclasses import replace
@@ -254,10 +255,10 @@ def test_certificate_names_tests_held_out_and_warnings(fitted: SavedResult, tmp_
     (first, *_), (_, cold, *_) = brief.rows[0][1:], brief.rows[2]
     assert float(first) == pytest.approx(properties[0]["measured"], rel=0.005)
     assert float(cold) == 1.4
-    middle, half = map(float, brief.rows[0][2].split(" \N{PLUS-MINUS SIGN} "))
+    middle, half = map(float, brief.rows[0][2].split("\N{PLUS-MINUS SIGN}"))
     assert middle == pytest.approx(properties[0]["model"], rel=0.005)
     width = properties[0]["upper"] - properties[0]["lower"]
-    assert half == pytest.approx(0.5 * width, rel=0.5)  # one digit
+    assert 0.5 * width <= half < 0.55 * width  # two digits, rounded up
     (held_out,) = (text for text in answer if "cool" in text)
     assert "12.7" in held_out
     assert "33.3" not in held_out
@@ -267,7 +268,39 @@ def test_certificate_names_tests_held_out_and_warnings(fitted: SavedResult, tmp_
     title = dict.fromkeys(("project", "structure", "client", "author", "number", "revision"), "A")
     title["date"] = "2026-11-23"
     files = make_report(folder, title=title, certificate=True)
-    assert len(pdfium.PdfDocument(files[1])) == 1
+    pages = pdfium.PdfDocument(files[1])
+    assert len(pages) == 1
+    width, height = pages[0].get_size()
+    assert width < height
+    words = " ".join(pages[0].get_textpage().get_text_bounded().split())
+    places = [words.index(f"Table {k}") for k in (1, 2, 3)]
+    assert places == sorted(places)
+    assert places[-1] < words.index("Signature")
+
+
+def test_digests_of_a_certificate_are_those_of_the_files(
+    record: tb.TestRecord, tmp_path: Path
+) -> None:
+    """Sidecars count too, and so do tests held out."""
+    columns = {"time_s": record.time, "displacement_mm": record.displacement}
+    files = []
+    for name in ("cold", "cool"):
+        files += [tmp_path / f"{name}.csv", tmp_path / f"{name}.toml"]
+        pd.DataFrame(columns | {"force_kN": record.force}).to_csv(files[-2], index=False)
+        files[-1].write_text('ambient = "-20 degC"\n', encoding="utf-8")
+    result = tb.cross_validate(
+        [files[0]], SPECIMEN, hold_out=[files[2]], free=["K_r", "d_y"], starts=1
+    )
+    saved = loaded(result.save(tmp_path / "out", figures=False))
+    listed = saved.path / "inputs.sha256"
+    lines = dict(reversed(line.split("  ")) for line in listed.read_text("utf-8").splitlines())
+    exact = {str(file): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    assert lines == exact
+    made = identify_certificate.build_certificate(saved)
+    digests = [row[-1] for row in made.tables["files"].rows]
+    assert digests == [exact[str(file)] for file in files if file.suffix == ".csv"]
+    digest = hashlib.sha256(listed.read_bytes()).hexdigest()
+    assert sum(digest in text for text in made.answer) == 1
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ once the file is open, so that nothing can be put in its place after the check.
 """
 
 import errno
+import hashlib
 import io
 import json
 import os
@@ -129,6 +130,15 @@ def read_bytes(path: Path, limit: int) -> bytes:
         raw = file.read(limit + 1) or b""
     _refuse_large(len(raw), limit, shortened(str(path), LONGEST_NAME))
     return raw
+
+
+def file_digest(path: Path, limit: int) -> str:
+    """Return the SHA-256 of a file of at most `limit` bytes, as `sha256sum` prints it."""
+    with opened(path, limit) as file:
+        digest = hashlib.sha256()
+        while block := file.read(BLOCK):
+            digest.update(block)
+    return digest.hexdigest()
 
 
 def read_json(path: Path, limit: int = LARGEST_MEMBER) -> Any:

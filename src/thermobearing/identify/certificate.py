@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
+from thermobearing.border.opener import LARGEST_MEMBER, file_digest, is_file
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.identify.properties import brief_properties
 from thermobearing.identify.report import (
@@ -21,6 +23,7 @@ from thermobearing.identify.report import (
     valid_for,
     worst_error,
 )
+from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
     counted,
@@ -36,7 +39,8 @@ from thermobearing.report.content import TESTS
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.reported import bearing_words
 from thermobearing.results.base import COMPLETED
-from thermobearing.results.directory import IDENTIFIED
+from thermobearing.results.directory import IDENTIFIED, INPUT_DIGESTS
+from thermobearing.results.ranges import EXTREME, REST, names_by_sentence
 from thermobearing.results.saved import SavedResult
 
 if TYPE_CHECKING:
@@ -48,14 +52,15 @@ SIGNED = ("Tested by", "Calibrated by", "Approved by")
 PAGE_ROWS = 22
 OF_A_TABLE = 4  # rows that caption and heads of a table take
 LINE = 95  # letters of a statement in one line of the page
-USUAL_LINES = 5  # of the range, the digest and one more
+USUAL_LINES = 7  # of the range, the specimen, the digest and one more
 MOST_WARNINGS = 3  # that are listed
 NARROW = 14  # letters of a name in the table of tests that do not break
+MOST_FILES = 6  # of tests that are listed; inputs.sha256 has all
 MOST_LOOPS = 3  # panels of its figure
 FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.2  # of the figure [inch], and where the page is full
-OVERFULL = -10  # rows of room below which the figure, which report.html has too, is left out
+OVERFULL = -30  # rows of room below which the figure, which report.html has too, is left out
 NOTE_LINE = 150  # letters of the small print below a table in one line of the page
-ABOUT = ["test", "use", "specimen", "laboratory", "date", "ambient_degC", "rubber_before"]
+ABOUT = ["test", "use", "date", "ambient_degC"]
 ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
 NOTHING_ELSE = (
     "Rests are held at constant displacement; no signal was filtered, scaled or shifted in time."
@@ -82,15 +87,16 @@ def build_certificate(saved: SavedResult) -> Pieces:
     listed = [*summary["records"], *held_out.get("records", [])]
     tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}
     identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
-    digests = [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
-    answer = [*_certified_range(bearing), *_certified_held_out(held_out), *digests]
+    answer = [*_certified_range(bearing), *_certified_conditions(listed)]
+    answer += [*_certified_held_out(held_out), *_certified_digests(saved, listed)]
     answer += _certified_warnings(saved.warnings)
+    files = _certified_files(listed)
     lines = sum(1 + len(text) // LINE for text in answer)
     broken = sum(_is_broken(record) for record in listed)
     properties = brief_properties(summary.get("properties") or [])
     # The certificate is one page: the cycles take the rows that the other tables leave.
     room = PAGE_ROWS - len(listed) - broken - len(parameters.rows) - max(0, lines - USUAL_LINES)
-    room -= len(properties.rows) + OF_A_TABLE if properties.rows else 0
+    room -= sum(len(table.rows) + OF_A_TABLE for table in (properties, files) if table.rows)
     room -= sum(-(-len(table.note) // NOTE_LINE) for table in (tables["tests"], properties))
     cycles = _certified_rows(saved["cycles"]) if "cycles" in saved.tables else None
     if cycles is not None and room >= max(len(tests), cycles["test"].nunique()):
@@ -99,6 +105,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
         tables["tests"] = replace(tables["tests"], caption="Tests (their cycles: cycles.csv)")
     tables |= {"properties": properties} if properties.rows else {}
     tables["parameters"] = parameters
+    tables |= {"files": files} if files.rows else {}
     height = FIGURE_HEIGHT if room >= 0 else LEAST_HEIGHT
     drawn = "fit" in saved.tables and room >= OVERFULL
     return Pieces(
@@ -121,21 +128,18 @@ def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
 
     The note states the treatment of its data.
     """
-    words = {True: "scragged", False: "virgin", None: "not stated"}
     rows = []
     for use, tests in (("calibration" if held_out else "", records), ("held out", held_out)):
         for record in tests:
             names = ("ambient_degC", "R2")
             row = {"test": record["name"], "use": use} | {name: record[name] for name in names}
             row |= {
-                "rubber_before": words[record["conditions"].get("scragged")],
                 "cycles_found": len(record["cycles"]),
                 "K_eq_error": worst_error(record, "G_eq_error"),  # relative errors are the same
                 "h_eq_error": worst_error(record, "h_eq_error"),
             }
             rows.append(record["conditions"] | row)
-    heads = {"rubber_before": "Rubber before"}
-    heads |= {"K_eq_error": "K_eq error", "h_eq_error": "h_eq error"}
+    heads = {"K_eq_error": "K_eq error", "h_eq_error": "h_eq error"}
     treatments = " ".join(describe_treatments([*records, *held_out]))
     note = (
         f"Treatment of the records. {treatments} {NOTHING_ELSE} Errors: largest over the cycles, "
@@ -144,10 +148,58 @@ def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, note=note, keep_keys=True)
 
 
+def _certified_conditions(records: Sequence[Row]) -> list[str]:
+    """Return a statement on specimen, laboratory and rubber of the tests, once if they agree."""
+    words = {True: "scragged", False: "virgin", None: "not stated"}
+    stated = []
+    for key, title in (("specimen", "Specimen"), ("laboratory", "laboratory")):
+        values = {record["name"]: record["conditions"].get(key) for record in records}
+        if any(values.values()):
+            stated.append(f"{title}: {_by_test(values, 'not stated')}")
+    before = {record["name"]: words[record["conditions"].get("scragged")] for record in records}
+    stated.append(f"rubber before the tests: {_by_test(before, 'not stated')}")
+    text = "; ".join(stated)
+    return [f"{text[:1].upper()}{text[1:]}."]
+
+
+def _by_test(values: Row, missing: str) -> str:
+    """Return the value of all tests, or each value with its tests."""
+    groups = names_by_sentence((str(name), str(value or missing)) for name, value in values.items())
+    if len(groups) == 1:
+        return groups[0][1]
+    return ", ".join(f"{value} ({names})" for names, value in groups)
+
+
+def _certified_digests(saved: SavedResult, records: Sequence[Row]) -> list[str]:
+    """Return what identifies the data, in words by which a reader can check it."""
+    file = saved.path / INPUT_DIGESTS
+    if is_file(file):
+        count = counted(len(content.input_files(records)), "file")
+        return [
+            f"SHA-256 of {INPUT_DIGESTS}: `{file_digest(file, LARGEST_MEMBER)}`. That file lists "
+            f"the SHA-256 of each of the {count} of all tests, sidecars and tests held out "
+            f"included; `sha256sum -c {INPUT_DIGESTS}` verifies them."
+        ]
+    identity = content.saved_identity(saved, "")
+    return [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
+
+
+def _certified_files(records: Sequence[Row]) -> Table:
+    """Return the tables of samples with their digests; no rows where there are too many."""
+    rows = [
+        [record["name"], Path(path).name, digest]
+        for record in records
+        for path, digest in content.input_files([record])
+        if Path(path).suffix.lower() != ".toml"
+    ]
+    columns = [Quantity("Test"), Quantity("File"), Quantity("SHA-256 of the file")]
+    caption = "Measured data (the sidecars: inputs.sha256)"
+    return Table(caption, columns, rows if len(rows) <= MOST_FILES else [], keys=2)
+
+
 def _is_broken(record: Row) -> bool:
     """Return whether the row of a test breaks into two lines."""
-    names = [record["name"], *(record["conditions"].get(key, "") for key in ("specimen", "date"))]
-    names.append(record["conditions"].get("laboratory", ""))
+    names = [record["name"], record["conditions"].get("date", "")]
     return any(len(str(name)) > NARROW for name in names)
 
 
@@ -220,7 +272,10 @@ def _certified_range(bearing: Row) -> list[str]:
         if name == "strain_rate":
             conditions.append(f"strain rates of {'' if ' to ' in text else 'about '}{text}")
         elif name == "cycles":
-            conditions.append(f"up to {rounded_range(ends[-1:])} cycles in a row")
+            conditions.append(
+                f"up to {rounded_range(ends[-1:])} cycles of at least {percent(EXTREME)} of the "
+                f"largest displacement without a pause of {REST / 60.0:g} min or more"
+            )
         elif name not in ("strain", "ambient"):
             conditions.append(f"a {TESTS[name]} of {text}")
     return [f"{valid}, {joined(conditions)}." if conditions else f"{valid}."]

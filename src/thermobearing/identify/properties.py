@@ -4,6 +4,7 @@ Test and model are measured in the same cycles, as `measure` does. Intervals are
 they contain the uncertainty of its parameters, by the tests and by what is held.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from statistics import NormalDist
@@ -34,8 +35,10 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
+WITHOUT_FIRST = "Mean over the cycles of this amplitude, without the first if there are more."
 DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
 HIGH = 0.975  # upper end of a 95 % interval
+WITHIN = "\N{NO-BREAK SPACE}\N{PLUS-MINUS SIGN}\N{NO-BREAK SPACE}"  # between value and half width
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
 
 
@@ -283,7 +286,8 @@ def brief_properties(properties: Sequence[Row]) -> Table:
         columns += [Quantity(symbol, units[symbol]), Quantity("model", units[symbol])]
     shown = joined(dict.fromkeys(strains.values()), "or")
     caption = f"Equivalent properties at {shown} shear strain: test, and model with 95 % interval"
-    return Table(caption, columns, rows, note=DEFINITIONS)
+    note = f"{WITHOUT_FIRST} Half widths of intervals are rounded up. {DEFINITIONS}"
+    return Table(caption, columns, rows, note=note)
 
 
 def _test_and_model(items: Sequence[Row], measured: str, model: str, ends: str) -> list[str]:
@@ -291,14 +295,28 @@ def _test_and_model(items: Sequence[Row], measured: str, model: str, ends: str) 
     cells = []
     for item in items:
         values = item[measured], item[model]
-        test, middle = (
-            "" if value is None else number(value, "#.3g").rstrip(".") for value in values
-        )
         low, high = item[f"{ends}lower"], item[f"{ends}upper"]
-        if middle and low is not None:
-            middle += f" \N{PLUS-MINUS SIGN} {number(0.5 * (high - low), '.1g')}"
-        cells += [test, middle]
+        form, half_width = "#.3g", ""
+        if item[model] is not None and low is not None and high > low:
+            form, half_width = _rounded_up(0.5 * (high - low))
+        test, middle = (
+            "" if value is None else number(value, form).rstrip(".") for value in values
+        )
+        cells += [test, f"{middle}{WITHIN}{half_width}" if half_width else middle]
     return cells
+
+
+def _rounded_up(half_width: float) -> tuple[str, str]:
+    """Return the format of values with an interval, and its half width in two digits, rounded up.
+
+    A smaller half width would state too narrow an interval.
+    """
+    decimals = 1 - math.floor(math.log10(half_width))
+    step = 10.0**-decimals
+    # Not a digit more for what is two digits but for rounding.
+    rounded = math.ceil(half_width / step - NOT_SHOWN) * step
+    form = f".{max(decimals, 0)}f"
+    return form, number(rounded, form)
 
 
 def property_sentence(properties: Sequence[Row]) -> str:

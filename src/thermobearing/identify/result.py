@@ -34,6 +34,7 @@ from thermobearing.results.directory import (
     COMPOUND,
     FIT_TABLE,
     IDENTIFIED,
+    INPUT_DIGESTS,
     SAMPLES,
     THERMOCOUPLES,
     VALIDATED_CYCLES,
@@ -359,12 +360,25 @@ class Identification(Result):
             )
             text = sourced_toml(compound, compound.sources)
             (folder / COMPOUND).write_text(text, encoding="utf-8")
+        write_digests(folder, self.records)
         fit = without_formulas(_fit_table(self))
         fit.to_csv(folder / FIT_TABLE, index=False, float_format="%.9g", lineterminator="\n")
         if len(self.cycles):
             write_csv(folder / VALIDATED_CYCLES, self.cycles)
         if rows := self.thermocouples:
             without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
+
+
+def write_digests(folder: Path, records: Sequence[TestRecord]) -> None:
+    """Write inputs.sha256: the digests of the files of tests, as `sha256sum -c` reads them.
+
+    Nothing is written for tests without files.
+    """
+    digests = {path: digest for record in records for path, digest in record.digests.items()}
+    lines = [f"{digest}  {path}\n" for path, digest in digests.items()]
+    if lines:
+        text = "".join(lines)
+        (folder / INPUT_DIGESTS).write_text(text, encoding="utf-8", errors="surrogateescape")
 
 
 def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:

@@ -132,13 +132,26 @@ def saved_identity(saved: SavedResult, otherwise: str) -> dict[str, str]:
     # Where the summary has the inputs, they identify the result; otherwise all of it does.
     if (inputs := summary.get("inputs")) is not None:
         records = summary.get("records", summary.get("comparisons", []))
+        records = [*records, *(summary.get("held_out") or {}).get("records", [])]
         digests = [str((record.get("conditions") or {}).get("sha256", "")) for record in records]
         names = [str(record.get("name", record.get("test"))) for record in records]
-        tests = {f"SHA-256 of test {n}": d for n, d in zip(names, digests, strict=True) if d}
-        hashed_name, hashed = "inputs and tests in summary.json", [inputs, digests]
+        tests = {
+            f"SHA-256 of the samples of {name} (time, displacement, force; 8 bytes each)": digest
+            for name, digest in zip(names, digests, strict=True)
+            if digest
+        }
+        tests |= {f"SHA-256 of the file {name}": digest for name, digest in input_files(records)}
+        hashed_name = "`inputs` and the digests of all samples in summary.json"
+        hashed = [inputs, digests]
     command = str(summary.get("command_line") or otherwise)
     version, text = str(summary.get("version", "unknown")), json.dumps(hashed, sort_keys=True)
     return identity_rows(version, text, command, hashed_name) | tests
+
+
+def input_files(records: Iterable[Row]) -> list[tuple[str, str]]:
+    """Return path and SHA-256 of each file that records of a summary were read from, once each."""
+    files = ((record.get("conditions") or {}).get("files", {}) for record in records)
+    return list({path: digest for group in files for path, digest in group.items()}.items())
 
 
 # Limits.

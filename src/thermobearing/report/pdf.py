@@ -183,7 +183,7 @@ def _laid_out(document: Document, folder: Path | None) -> Data:
             level = min(block.level, level + 1)
             blocks.append({"kind": "heading", "level": level, "runs": split_runs(block.text)})
         else:
-            blocks += _data(block, f"figure-{number}", folder)
+            blocks += _data(block, f"figure-{number}", folder, upright=document.close)
     title = document.block
     revision = f"revision {title['Revision']}" if "Revision" in title else ""
     return {
@@ -202,8 +202,11 @@ def _laid_out(document: Document, folder: Path | None) -> Data:
     }
 
 
-def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
-    """Return a block as data; a table in several parts where its columns do not fit."""
+def _data(block: Block, name: str, folder: Path | None, *, upright: bool) -> list[Data]:
+    """Return a block as data; a table in several parts where its columns do not fit.
+
+    `upright` keeps tables from being turned.
+    """
     match block:
         case Paragraph():
             runs = split_runs(block.text)
@@ -213,7 +216,7 @@ def _data(block: Block, name: str, folder: Path | None) -> list[Data]:
             unbroken = sum(map(len, block.items)) < LONG_BOX
             return [{"kind": "bullets", "box": block.kind, "items": items, "unbroken": unbroken}]
         case TableBlock():
-            return _table(block.table)
+            return _table(block.table, upright=upright)
         case FigureBlock():
             return _figure(block.figure, name, folder)
         case Signatures():
@@ -303,11 +306,11 @@ class Part(NamedTuple):
         return re.sub(r"\S+", _seamed, text)
 
 
-def _table(table: Table) -> list[Data]:
+def _table(table: Table, *, upright: bool) -> list[Data]:
     """Return a table as text, in parts that fit a page in width, each with the key columns."""
     cells, columns = table.texts(), table.columns
     numbers = table.numeric()
-    parts = _fitted(column_letters(table, cells), table.keys)
+    parts = _fitted(column_letters(table, cells), table.keys, upright=upright)
     note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
     blocks = []
     for number, part in enumerate(parts, 1):
@@ -335,8 +338,8 @@ def _table(table: Table) -> list[Data]:
     return blocks
 
 
-def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
-    """Return columns in parts that fit a page, as large as can be."""
+def _fitted(letters: Sequence[tuple[int, int]], keys: int, *, upright: bool) -> list[Part]:
+    """Return columns in parts that fit a page, as large as can be; all upright on request."""
     all_places = list(range(len(letters)))
 
     def _total(places: Sequence[int], size: float) -> float:
@@ -354,7 +357,8 @@ def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
         return Part(places, widths, size, room == TURNED[0])
 
     # Upright at the largest size of letters that fits, then turned, then in parts.
-    for room, sizes in ((UPRIGHT[0], SIZES), (TURNED[0], TURNED_SIZES)):
+    widest = UPRIGHT[0] if upright else TURNED[0]
+    for room, sizes in ((UPRIGHT[0], SIZES), (widest, TURNED_SIZES)):
         for size in sizes:
             if _total(all_places, size) <= room:
                 return [_part(all_places, room, size)]
@@ -363,8 +367,8 @@ def _fitted(letters: Sequence[tuple[int, int]], keys: int) -> list[Part]:
     # column at least, however wide.
     groups = [[*key_places]]
     for column in all_places[len(key_places) :]:
-        is_full = _total([*groups[-1], column], SIZE_OF_PARTS) > TURNED[0]
+        is_full = _total([*groups[-1], column], SIZE_OF_PARTS) > widest
         if is_full and len(groups[-1]) > len(key_places):
             groups.append([*key_places])
         groups[-1].append(column)
-    return [_part(places, TURNED[0], SIZE_OF_PARTS) for places in groups]
+    return [_part(places, widest, SIZE_OF_PARTS) for places in groups]

@@ -183,6 +183,7 @@ ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
 STATES, VIRGIN = "states.csv", "virgin.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
+INPUT_DIGESTS = "inputs.sha256"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
 TITLE, LOGO, QUOFEM = "report.toml", "report-logo", "quofem"
@@ -210,6 +211,7 @@ RESULT_NAMES = {
     FRAME_PERIODS,
     HISTORY,
     IDENTIFIED,
+    INPUT_DIGESTS,
     LINES,
     LINKS,
     LOGO,

@@ -200,6 +200,7 @@ class Readings:
     assumptions: list[str] = field(default_factory=list)  # what the file did not state
     unused: list[str] = field(default_factory=list)  # titles of unused columns
     clock_restarts: bool = False  # in each block: pauses between them are unknown
+    files: tuple[Path, ...] = ()  # all that were read: the sidecar, if any, and the tables
 
     @property
     def displacement(self) -> Floats:
@@ -318,7 +319,12 @@ class _Reader:
             assumptions=list(dict.fromkeys(self.assumptions)),
             unused=list(dict.fromkeys(self.unused)),
             clock_restarts=clock_restarts,
+            files=(self.path, *dict.fromkeys(file for file, _ in joins if not self._is_path(file))),
         )
+
+    def _is_path(self, file: Path) -> bool:
+        """Return whether a file is that of the call: a table without a sidecar."""
+        return file == self.path.absolute()
 
     def _block(self, block: BlockFile, file: Path) -> tuple[list[Part], Recognised]:
         """The parts of one file: sheets, tables below each other, or a clock that restarts."""

@@ -14,7 +14,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.result import Identification, record_summary
+from thermobearing.identify.result import Identification, record_summary, write_digests
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
@@ -390,6 +390,8 @@ class CrossValidation(Result):
 
     def _write(self, folder: Path) -> None:
         self.final._write(folder)
+        held_out = [item.record for item in self.held_out.comparisons]
+        write_digests(folder, [*self.final.records, *held_out])
         write_csv(folder / TABLE, self.table)
         write_csv(folder / CYCLES, self.judged.cycles)
         if self.folds:

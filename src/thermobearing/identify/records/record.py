@@ -18,6 +18,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.library import read_data
+from thermobearing.border.opener import LARGEST_MEMBER, file_digest, is_file
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
@@ -108,6 +109,7 @@ class TestRecord:
     subtracted : offsets that the sidecar subtracts from the readings of "force" [kN] and
         "displacement" [mm], before the sign is reversed.
     reversed_force : the sign of the readings of the force was reversed.
+    digests : SHA-256 of each file that the test was read from, by its path: sidecar and tables.
     ambient_from : where `ambient` was read, if a line above the table states it.
     """
 
@@ -140,6 +142,7 @@ class TestRecord:
     subtracted: dict[str, float] = field(default_factory=dict)
     reversed_force: bool = False
     ambient_from: str = ""
+    digests: dict[str, str] = field(default_factory=dict)
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -273,6 +276,9 @@ def build_record(readings: Readings) -> TestRecord:
             "displacement": sidecar.displacement_offset,
         },
         reversed_force=sidecar.flip_force,
+        digests={
+            str(file): file_digest(file, LARGEST_MEMBER) for file in readings.files if is_file(file)
+        },
         about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
@@ -375,8 +381,8 @@ def _conditioning(readings: Readings, assumptions: list[str]) -> Conditioning | 
 def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
     """Return the content of summary.json about the conditions of a test.
 
-    `rubber` is the total thickness of the bearing's rubber [mm]. The digest is the SHA-256 of time,
-    displacement and force as they were read.
+    `rubber` is the total thickness of the bearing's rubber [mm]. `sha256` is the digest of time,
+    displacement and force of the record, `files` has those of the files that it was read from.
     """
     digest = hashlib.sha256()
     for values in (record.time, record.displacement, record.force):
@@ -395,6 +401,7 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         **_stated_conditioning(record.conditioning),
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
+        **({"files": dict(record.digests)} if record.digests else {}),
     }
 
 
