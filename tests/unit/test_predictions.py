@@ -18,6 +18,7 @@ from thermobearing.identify.fit.parameters import (
     parameter_set,
     with_values,
 )
+from thermobearing.identify.properties import LATER, later_cycles, later_means
 from thermobearing.identify.records.cycles import largest_measures
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
@@ -47,7 +48,10 @@ def warm_only() -> tb.Identification:
 
 def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification) -> None:
     cold = tb.synthetic_record(TRUTH, -20.0, TEST, noise=0.0)
-    truth = largest_measures(cold, cold.force)
+    cycles = later_cycles(warm_only)
+    means = later_means(replace(warm_only, records=[cold]), cold.force, cycles)
+    assert means.keys() == LATER.keys()
+    truth = largest_measures(cold, cold.force) | {f"mean {k}": value for k, value in means.items()}
     assert warm_only.forecast is not None
     band, warm = warm_only.forecast.bands
     for item in band.predicted:
@@ -57,6 +61,10 @@ def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification
         assert max(item.shares, key=lambda name: item.shares[name]) in ("n_T", "m_T")
     at_23 = {item.quantity: item for item in warm.predicted}
     assert at_23["K_eq"].upper / at_23["K_eq"].lower < 1.06  # which the test measured
+    # Both are means over the same cycles, so that they can be divided.
+    in_test = {item.quantity: item.model for item in warm_only.properties}
+    for name in LATER:
+        assert at_23[f"mean {name}"].best == pytest.approx(in_test[name], rel=1e-6)
 
 
 def test_samples_hold_every_number_that_is_held(
@@ -268,7 +276,8 @@ def test_bands_outside_the_tests_are_wider(two_temperatures: tb.Identification) 
         half = 0.5 * (far.upper - far.lower) / far.best
         assert half > 1.96 * 0.003 * 20.0 > 0.5 * (near.upper - near.lower) / near.best
     rows = ahead.summary()["predicted"]
-    assert [row["beyond_tested"] for row in rows[3:5]] == ["", "ambient"]
+    beyond = {row["ambient_degC"]: row["beyond_tested"] for row in rows}
+    assert beyond == {-20.0: "", -40.0: "ambient"}
 
 
 def test_factors_outside_the_tests_have_wider_bands() -> None:

@@ -35,8 +35,10 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
+LATER = {name: MEASURED[name][1] for name in ("G_e", "Q_d", "K_d")}  # that are predicted
 WITHOUT_FIRST = "Mean over the cycles of this amplitude, without the first if there are more."
 DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
+FIRST_CYCLE, LATER_CYCLES = "first of the largest", "mean without the first"  # of a prediction
 HIGH = 0.975  # upper end of a 95 % interval
 WITHIN = "\N{NO-BREAK SPACE}\N{PLUS-MINUS SIGN}\N{NO-BREAK SPACE}"  # between value and half width
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
@@ -207,6 +209,26 @@ def _chosen_cycles(amplitudes: Sequence[Mapping[int, float]]) -> list[list[int]]
     return places
 
 
+def later_cycles(identification: "Identification") -> list[int]:
+    """Return the numbers of the cycles of the first test that its properties are means over."""
+    return _chosen_cycles([_level_amplitudes(record) for record in identification.records])[0]
+
+
+def later_means(
+    identification: "Identification", force: Floats, cycles: Sequence[int]
+) -> dict[str, float]:
+    """Return G_e [MPa], Q_d [kN] and K_d [kN/mm] of the model in the first test, by symbol.
+
+    `force` [kN] is that of the model at its samples; the means are those of `list_properties`, over
+    the cycles of these numbers. Empty where a cycle cannot be measured.
+    """
+    bearing = identification.bearing
+    size = bearing.area, bearing.total_rubber_thickness
+    measured = [_measures(identification.records[0], force, *size)]
+    values = _values(measured, [cycles], 0)
+    return {name: values[f"{name} 0"] for name in LATER if f"{name} 0" in values}
+
+
 def _values(
     measured: "Sequence[list[CycleMeasures]]", places: Sequence[Sequence[int]], warmest: int
 ) -> dict[str, float]:
@@ -349,9 +371,13 @@ def prediction_sentence(posterior: Row) -> str:
         unit, factor = printed_unit(str(row["unit"]))
         best, lower, upper = (number(factor * row[k], ".3g") for k in ("best", "lower", "upper"))
         name = {"force": "peak force"}.get(row["quantity"], row["quantity"])
+        name += f" ({row['cycles']})" if row.get("cycles") == LATER_CYCLES else ""
         values.append(
             f"{name} {best} {unit} ({lower} to {upper}) at {degrees([row['ambient_degC']])}"
         )
     return (
-        f"Predicted in the largest loop of the first test: {'; '.join(values)}." if values else ""
+        f"Predicted in the first cycle of the largest amplitude of the first test: "
+        f"{'; '.join(values)}."
+        if values
+        else ""
     )

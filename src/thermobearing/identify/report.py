@@ -316,6 +316,7 @@ def posterior_table(posterior: Row) -> Table:
             {
                 "ambient_degC": row["ambient_degC"],
                 "quantity": {"force": "peak force"}.get(row["quantity"], row["quantity"]),
+                "predicted_in": row.get("cycles", ""),
                 "unit": printed_unit(str(row["unit"]))[0],
                 "predicted_best": values["best"],
                 "predicted_lower": values["lower"],
@@ -325,11 +326,18 @@ def posterior_table(posterior: Row) -> Table:
             }
         )
     marks = [row["outside_tests"] != "nothing" for row in rows]
-    note = f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
+    note = (
+        "K_eq, Q_d and energy of the first cycle of the largest amplitude in the first test, the "
+        "peak force of all of it. Means without the first cycle, if there are more, are over the "
+        "cycles of the table of properties, so that their ratios are factors of temperature. "
+    )
+    note += (
+        f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
+    )
     note += "in posterior.csv. Not determined: share of the variance from what the tests did not "
     note += "determine." + (f" {MARKED}; the band is wider there." if any(marks) else "")
-    options: dict[str, Any] = {"keys": 2, "marked": {"ambient_degC": marks}, "note": note}
-    return make_table(pd.DataFrame(rows), caption="Predicted in the largest loop", **options)
+    options: dict[str, Any] = {"keys": 3, "marked": {"ambient_degC": marks}, "note": note}
+    return make_table(pd.DataFrame(rows), caption="Predicted as in the first test", **options)
 
 
 def _undetermined_table(summary: Row) -> Table:

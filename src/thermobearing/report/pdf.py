@@ -338,7 +338,7 @@ def _table(table: Table, *, upright: bool) -> list[Data]:
     return blocks
 
 
-def _fitted(letters: Sequence[tuple[int, int]], keys: int, *, upright: bool) -> list[Part]:
+def _fitted(letters: Sequence[tuple[int, int]], keys: int, *, upright: bool = False) -> list[Part]:
     """Return columns in parts that fit a page, as large as can be; all upright on request."""
     all_places = list(range(len(letters)))
 

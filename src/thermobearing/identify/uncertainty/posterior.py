@@ -29,6 +29,13 @@ from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import SPAN, ParameterSet
 from thermobearing.identify.fit.problem import Problem
+from thermobearing.identify.properties import (
+    FIRST_CYCLE,
+    LATER,
+    LATER_CYCLES,
+    later_cycles,
+    later_means,
+)
 from thermobearing.identify.records.cycles import largest_measures
 from thermobearing.identify.records.record import reached_values
 from thermobearing.identify.result import Identification
@@ -51,6 +58,8 @@ LOW, HIGH = 0.025, 0.975
 DRAWS = 400
 MOST_ROUNDS = 50  # of draws until enough are within the bounds
 UNITS = {"force": "kN", "K_eq": "kN/mm", "Q_d": "kN", "energy": "kN mm"}
+MEAN = "mean "  # begins the name of a quantity that is one of later cycles
+UNITS |= {f"{MEAN}{name}": unit for name, unit in LATER.items()}
 OUTSIDE = "outside the tests"  # among the causes of a band
 CHAMBER = 0.2  # K, of a chamber that is known well
 NO_SHARE = 1e-3  # of a variance: smaller ones are left out
@@ -75,8 +84,8 @@ class Samples:
 class Predicted:
     """A quantity of a predicted test with its 95 % band, and where the band comes from."""
 
-    quantity: str  # "force", "K_eq", "Q_d" or "energy"
-    best: float  # [kN], [kN/mm], [kN], [kN mm]
+    quantity: str  # "force", "K_eq", "Q_d", "energy", or "mean G_e", "mean Q_d" or "mean K_d"
+    best: float  # [kN], [kN/mm], [kN], [kN mm], [MPa], [kN], [kN/mm]
     lower: float
     upper: float
     # Share of its variance by each cause: "tests" for their scatter, and the assumed groups.
@@ -89,10 +98,18 @@ class Predicted:
         """Half the width of the band, over the best estimate."""
         return 0.5 * (self.upper - self.lower) / self.best
 
+    @property
+    def _cycles(self) -> str:
+        """Return the cycles of the test that the quantity is of."""
+        if self.quantity.startswith(MEAN):
+            return LATER_CYCLES
+        return "all" if self.quantity == "force" else FIRST_CYCLE
+
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the quantity."""
         return {
-            "quantity": self.quantity,
+            "quantity": self.quantity.removeprefix(MEAN),
+            "cycles": self._cycles,
             "unit": UNITS[self.quantity],
             "best": self.best,
             "lower": self.lower,
@@ -461,8 +478,9 @@ def _predictive_band(
         raise InputError(f"the model does not complete the test at {ambient:.4g} degC")
     forces = best.force + np.array(differences)
     lower, upper = np.quantile(forces, [LOW, HIGH], axis=0)
-    measures = [largest_measures(test, force) for force in forces]
-    middles = largest_measures(test, best.force)
+    measure = _measure_of_test(identification)
+    middles = measure(best.force)
+    measures = [item for item in map(measure, forces) if item.keys() >= middles.keys()]
     errors = _errors(identification, ambient)
     predicted = []
     for name, value in middles.items():
@@ -480,6 +498,18 @@ def _predictive_band(
         predicted=tuple(predicted),
         lead=best.lead,
     )
+
+
+def _measure_of_test(identification: Identification) -> Callable[[Floats], dict[str, float]]:
+    """Return a function of the force of the model in the first test [kN]: what is predicted."""
+    test, cycles = identification.records[0], later_cycles(identification)
+
+    def _measure(force: Floats) -> dict[str, float]:
+        means = later_means(identification, force, cycles)
+        named_means = {f"{MEAN}{name}": value for name, value in means.items()}
+        return largest_measures(test, force) | named_means
+
+    return _measure
 
 
 def _best(identification: Identification, ambient: float) -> Prediction | None:
@@ -521,15 +551,16 @@ def _errors(identification: Identification, ambient: float) -> dict[str, _Error]
 
     By derivatives at the best estimate.
     """
-    test, force_of = identification.records[0], _forces(identification, ambient)
+    force_of, measure = _forces(identification, ambient), _measure_of_test(identification)
     best = _best(identification, ambient)
     if force_of is None or best is None:
         return {}
-    middles = largest_measures(test, best.force)
+    middles = measure(best.force)
 
     def _measure(cube: Floats, changes: Floats) -> dict[str, float] | None:
         difference = force_of(cube, changes)
-        return None if difference is None else largest_measures(test, best.force + difference)
+        moved = {} if difference is None else measure(best.force + difference)
+        return moved if moved.keys() >= middles.keys() else None
 
     return propagate_errors(identification, _measure, middles)
 
