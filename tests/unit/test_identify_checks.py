@@ -545,6 +545,16 @@ def test_drift_is_found_and_taken_out_when_reported(record: TestRecord, name: st
     assert "removed" in said(check_test(reported.record, HDR), "note", "drift")
 
 
+def test_a_certain_drift_that_is_small_is_a_note(record: TestRecord) -> None:
+    """It is above 1 % of the peak of the smallest cycles, and below 3 %."""
+    full = [cycle for cycle in treatment.treat(record).cycles if not cycle.closing]
+    smallest = min(full, key=lambda cycle: cycle.amplitude)
+    peak = 0.5 * float(np.ptp(record.force[smallest.first : smallest.last + 1]))
+    report = check_test(drifting(record, "force", 0.02 * peak / record.peak_force), HDR)
+    assert "the zero of the force drifts by" in said(report, "note", "drift")
+    assert not said(report, "warning", "drift")
+
+
 def test_a_drift_that_is_small_is_removed_on_request(record: TestRecord) -> None:
     """1 % of the peak is not reported, but removed where the sidecar asks for it."""
     part = 0.01

@@ -218,7 +218,7 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("warmer", "reported"),
     quick_cases(
-        [(0.3, ""), (0.5, "rises from"), (-1.0, "falls from"), (2.0, "rises from")],
+        [(0.3, ""), (0.5, ""), (0.8, "rises from"), (-1.0, "falls from"), (2.0, "rises from")],
         0,
         1,
     ),

@@ -5,6 +5,7 @@ import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,9 @@ from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_design, run_factors
 from thermobearing.identify import certificate as identify_certificate
 from thermobearing.identify import report as identify_report
+from thermobearing.identify.fit.parameters import M_T
 from thermobearing.identify.records.cycles import compare_loops
+from thermobearing.identify.result import _range_of_law
 from thermobearing.motions import report as motions_report
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
@@ -284,9 +287,9 @@ def test_digests_of_a_certificate_are_those_of_the_files(
     """Sidecars count too, and so do tests held out."""
     columns = {"time_s": record.time, "displacement_mm": record.displacement}
     files = []
-    for name in ("cold", "cool"):
+    for name, offset in (("cold", 0.0), ("cool", 0.05 * record.peak_force)):
         files += [tmp_path / f"{name}.csv", tmp_path / f"{name}.toml"]
-        pd.DataFrame(columns | {"force_kN": record.force}).to_csv(files[-2], index=False)
+        pd.DataFrame(columns | {"force_kN": record.force + offset}).to_csv(files[-2], index=False)
         files[-1].write_text('ambient = "-20 degC"\n', encoding="utf-8")
     result = tb.cross_validate(
         [files[0]], SPECIMEN, hold_out=[files[2]], free=["K_r", "d_y"], starts=1
@@ -301,6 +304,11 @@ def test_digests_of_a_certificate_are_those_of_the_files(
     assert digests == [exact[str(file)] for file in files if file.suffix == ".csv"]
     digest = hashlib.sha256(listed.read_bytes()).hexdigest()
     assert sum(digest in text for text in made.answer) == 1
+    # What the checks find in a test held out is a warning, and stands in its treatment.
+    assert any(text.startswith("held out, cool: the zero of the force") for text in result.warnings)
+    (kept,) = saved.summary["held_out"]["records"]
+    assert kept["treatment"]["offsets"]["force_kN"] == pytest.approx(offset, rel=0.1)
+    assert "offset of the force" in made.tables["tests"].note
 
 
 @pytest.mark.parametrize(
@@ -313,6 +321,26 @@ def test_digests_of_a_certificate_are_those_of_the_files(
 )
 def test_ranges_of_a_certificate_are_rounded(ends: list[Any], shown: str) -> None:
     assert identify_report.rounded_range(ends) == shown
+
+
+@pytest.mark.parametrize(
+    ("reached", "warmest"), [({}, 23.0), ({"rubber 3": 30.44, "lead": 80.0}, 30.4)]
+)
+def test_the_law_reaches_to_the_temperatures_of_the_rubber(
+    record: tb.TestRecord, reached: dict[str, float], warmest: float
+) -> None:
+    """Those of thermocouples in the rubber; that of the lead says nothing on rubber."""
+    places = {place: place for place in reached}
+    temperatures = {place: np.array([23.0, highest]) for place, highest in reached.items()}
+    warm = replace(record, ambient=23.0, places=places, temperatures=temperatures)
+    stub: Any = SimpleNamespace(
+        bearing=tb.load_bearing(SPECIMEN),
+        records=[record, warm],
+        uncertainty=SimpleNamespace(estimates={M_T: None}),
+    )
+    law = _range_of_law(stub)
+    assert law is not None
+    assert (law.coldest, law.warmest) == (-20.0, warmest)
 
 
 def test_only_an_acceptable_calibration_has_a_certificate(fitted: SavedResult) -> None:

@@ -98,6 +98,13 @@ def test_ambient_of_a_column(
     assert record.unused == ("T3",)
 
 
+def test_brackets_above_a_row_of_units_are_a_part_of_the_title(tmp_path: Path) -> None:
+    path = tmp_path / "layers.csv"
+    path.write_text("Zeit;Weg;Kraft;TE1 (Lage 1)\ns;mm;kN;K\n0;0;0;296\n1;5;9;296\n2;0;-1;296\n")
+    columns = {c.title: c.unit for c in read_laboratory(path).recognised.columns}
+    assert columns["TE1 (Lage 1)"] == "K"
+
+
 def test_ambient_under_another_title_and_thermocouples_without_units(tmp_path: Path) -> None:
     text = "time_s,displacement_mm,force_kN,CH4,CH5\n0,0,0,-20,10\n1,1,1,-20,11\n"
     sidecar = '[columns]\nambient = "CH4"\n[units]\nambient = "degC"\nCH5 = "degC"\n'

@@ -4,6 +4,7 @@ The tables are built from the content of summary.json or of a CSV file. The cons
 them, and `validate` uses them too.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -102,8 +103,8 @@ def _treatment_table(records: Sequence[Row]) -> Table:
         )
     note = (
         "Rests are held at constant displacement; spikes and drift are removed on request. A drift "
-        f"is stated where it is certain and exceeds {percent(DRIFT)} of the peak of the smallest "
-        "cycles."
+        f"is stated where its interval excludes zero and it exceeds {percent(DRIFT)} of the peak "
+        "of the smallest cycles."
     )
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
@@ -129,6 +130,11 @@ def _treatment_steps(treatment: Row) -> list[str]:
     for name, size in _drift_sizes(treatment).items():
         if name in treatment["drift_removed"]:
             steps.append(f"a drift of the {name} of {size} removed")
+        else:
+            steps.append(f"a drift of the {name} of {size} not removed")
+    for key, offset in treatment.get("offsets", {}).items():
+        name, _, unit = key.rpartition("_")
+        steps.append(f"an offset of the {name} of {number(offset, '.2g')} {unit} not removed")
     return steps
 
 
@@ -295,7 +301,8 @@ def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     marks = ["ambient" in str(names).split() for names in beyond]
     note = (
         "Largest error over the cycles (model / test \N{MINUS SIGN} 1); of the force, the larger "
-        "one of the two sides."
+        "one of the two sides. Temperature rise: largest difference at any time over the largest "
+        "rise of the test, not that of the largest rises."
     )
     note += f" {MARKED}." if any(marks) else ""
     keys = [name for name in ("role", "test") if name in frame]
@@ -438,7 +445,8 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         for name, words in measures
     ]
     sentences.append(
-        f"R² of the force is at least {min(r['R2'] for r in records):.3f} in every test. Single "
+        f"R² of the force is at least {_rounded_down(min(r['R2'] for r in records))} in every "
+        "test. Single "
         f"cycles are off by up to {joined(errors)}."
     )
     largest = percent(max(_relative_error(p) for p in parameters), 1)
@@ -451,6 +459,11 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     if valid := valid_for(bearing):
         sentences.append(f"{valid} (all limits: table of the calibration range).")
     return sentences
+
+
+def _rounded_down(value: float) -> str:
+    """Return a lower limit in four digits, so that "1.0000" is only said of a perfect agreement."""
+    return f"{math.floor(1e4 * value) / 1e4:.4f}"
 
 
 def rounded_range(ends: Sequence[Any]) -> str:
@@ -540,7 +553,9 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     if fixed:
         sentences.append(f"Not calibrated, but taken from the starting bearing: {joined(fixed)}.")
     assumptions = [text for r in summary["records"] for text in r["conditions"]["assumptions"]]
-    sentences += [tidy(f"Not stated in the files: {text}") for text in dict.fromkeys(assumptions)]
+    sentences += [
+        tidy(f"Assumed in reading the files: {text}") for text in dict.fromkeys(assumptions)
+    ]
     contradicted = [item["name"] for item in summary["assumed"] if item["contradicted"]]
     if contradicted:
         sentences.append(f"The tests contradict the assumed {joined(contradicted)}.")

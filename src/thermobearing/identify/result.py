@@ -26,6 +26,7 @@ from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.properties import Property, list_properties, properties_table
 from thermobearing.identify.records.checks import CheckReport, Offset
 from thermobearing.identify.records.record import TestRecord, record_conditions
+from thermobearing.identify.records.treatment import UNITS
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import percent
@@ -45,6 +46,7 @@ from thermobearing.results.writing import without_formulas, write_csv
 if TYPE_CHECKING:
     from thermobearing.identify.uncertainty.posterior import Forecast
 
+REACHED_TO = 1  # decimals of a temperature that a thermocouple reached [degC]
 POOR_R2 = 0.98  # coefficient of determination below which a warning is given
 UNUSABLE = 0.9  # minimum for acceptance: forces with an error of 31 % throughout have this R2
 FIRST_CYCLE = 0.04  # of the peak force: first cycles stiffer than later ones by this are reported
@@ -86,7 +88,7 @@ def _virgin_warning(fit: Comparison) -> str:
     )
 
 
-def _check_warnings(checks: Sequence[CheckReport], of_zeros: bool) -> list[str]:
+def check_warnings(checks: Sequence[CheckReport], of_zeros: bool) -> list[str]:
     """Return the warnings of the checks, each once, with the names of its tests.
 
     Those of the zeros, which the checks measured, or all others.
@@ -250,13 +252,13 @@ class Identification(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        sentences = _check_warnings(self.checks, of_zeros=False)
+        sentences = check_warnings(self.checks, of_zeros=False)
         sentences = [warning for fit in self.fits for warning in _fit_warnings(fit)] + sentences
         # First cycles that are too strong explain the misfit: other suspects would mislead.
         if not any(map(_virgin_warning, self.fits)):  # which is the cause of the misfit
             sentences = self.uncertainty.misfit + sentences
         # What was measured comes before what the residuals suggest.
-        sentences = _check_warnings(self.checks, of_zeros=True) + sentences
+        sentences = check_warnings(self.checks, of_zeros=True) + sentences
         sentences += self.uncertainty.warnings
         sentences += [
             f"the calibrated bearing has {sentence}" for sentence in implausible(self.bearing)
@@ -403,8 +405,18 @@ def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
             for loop in fit.loops
         ],
         "conditions": record_conditions(record, fit.rubber),
-        "treatment": check.treatment.summary() if check.treatment else None,
+        "treatment": check.treatment.summary() | _offsets(check) if check.treatment else None,
     }
+
+
+def _offsets(check: CheckReport) -> dict[str, dict[str, float]]:
+    """Return the offsets that a check warns of and that remain in the record, for summary.json."""
+    offsets = {
+        f"{offset.name}_{UNITS[offset.name]}": offset.size
+        for offset in check.offsets
+        if offset.warned
+    }
+    return {"offsets": offsets}
 
 
 def _bearing_table(identification: "Identification") -> dict[str, Any]:
@@ -429,24 +441,41 @@ def _bearing_table(identification: "Identification") -> dict[str, Any]:
     # Only a range that comes from these tests has them as its source.
     if changes["temperature_law"] is not bearing.temperature_law:
         keys = ("temperature_law.coldest", "temperature_law.warmest")
-        sources |= dict.fromkeys(keys, "ambient temperatures of the tests; the rubber was warmer")
+        source = "ambient temperatures of the tests; the rubber was warmer"
+        if _rubber_temperatures(identification):
+            source = "ambient temperatures of the tests, and the highest of their thermocouples"
+        sources |= dict.fromkeys(keys, source)
     return with_sources(to_table(bearing.model_copy(update=changes)), sources)
 
 
 def _range_of_law(identification: "Identification") -> TemperatureLaw | None:
-    """Return the temperature law with the ambient temperatures of the tests as its range.
+    """Return the temperature law with the temperatures of the tests as its range.
 
-    Only if m_T, n_T or parameters of a registered law were free. Tests at one temperature determine
-    no range; the rubber was warmer than the air, but no test shows by how much.
+    From the coldest chamber to the warmest, or to the highest temperature that a thermocouple in
+    the rubber reached. Only if m_T, n_T or parameters of a registered law were free. Tests at one
+    ambient temperature determine no range.
     """
     law = identification.bearing.temperature_law
     if not any(map(is_of_temperature, identification.uncertainty.estimates)):
         return law
     ambients = [record.ambient for record in identification.records]
-    low, high = (min(ambients), max(ambients)) if len(set(ambients)) > 1 else (None, None)
+    reached = _rubber_temperatures(identification)
+    low, high = None, None
+    if len(set(ambients)) > 1:
+        low, high = min(ambients), round(max([*ambients, *reached]), REACHED_TO)
     if law is None or not law.has_factors:
         return TemperatureLaw(coldest=low, warmest=high) if low is not None else None
     return law.model_copy(update={"coldest": low, "warmest": high})
+
+
+def _rubber_temperatures(identification: "Identification") -> list[float]:
+    """Return the highest temperature [degC] of each thermocouple in the rubber of the tests."""
+    return [
+        float(values.max())
+        for record in identification.records
+        for title, values in record.temperatures.items()
+        if record.places[title].startswith("rubber")
+    ]
 
 
 def _sources(identification: "Identification", tests: str) -> dict[str, str]:

@@ -320,6 +320,12 @@ def make_table(sheet: Sheet, layout: Layout | None = None) -> Table | None:
     data_rows, parts = _in_parts(body[skipped:], titles)
     titles = _unique_titles(titles)
     pairs = [name_and_unit(title) for title in titles]
+    # Brackets without a unit are a part of the title where a row below has the unit.
+    pairs = [
+        (title, "") if row_unit and title_unit and measured_in(title_unit) is None else pair
+        for title, pair, row_unit in zip(titles, pairs, units, strict=False)
+        for _, title_unit in [pair]
+    ]
     units = [
         title_unit or row_unit for (_, title_unit), row_unit in zip(pairs, units, strict=False)
     ]

@@ -14,7 +14,12 @@ from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.record import TestRecord, record_conditions
-from thermobearing.identify.result import Identification, record_summary, write_digests
+from thermobearing.identify.result import (
+    Identification,
+    check_warnings,
+    record_summary,
+    write_digests,
+)
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
@@ -264,7 +269,12 @@ class CrossValidation(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        return [*self.final.warnings, *self.held_out.warnings]
+        # With folds, the tests are those of the final fit, which has their findings.
+        checks = [] if self.folds else self.checks
+        findings = [*check_warnings(checks, of_zeros=True), *check_warnings(checks, of_zeros=False)]
+        known = self.final.warnings
+        findings = [f"held out, {text}" for text in findings if text not in known]
+        return [*known, *findings, *self.held_out.warnings]
 
     @cached_property
     def judged(self) -> Validation:

@@ -59,7 +59,7 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
     line = float(np.polyfit(time - time.mean(), ambient, 1)[0] * np.ptp(time))
     wandered = max(abs(line), float(np.ptp(middles)))
     numbers = read_data(ChamberNumbers, "identify", "ambient.toml")
-    if round(wandered, READ_TO) < numbers.ambient_drift:
+    if round(wandered, READ_TO) <= numbers.ambient_drift:
         return ""
     low, high = float(middles.min()), float(middles.max())
     change = f"varies between {low:.1f} and {high:.1f} degC"

@@ -49,8 +49,9 @@ SMALL = 0.02  # of the peak: smaller ones do a fit no harm
 FAST = 3.0  # times the speed of the test: no actuator leaps so
 STEEP = 10.0  # times the stiffness of the test: no loop is steeper where it turns
 LONGEST = 1.0  # step of time [s] in which an actuator may move: longer ones are rests
-DRIFT = 0.03  # of the peak of the smallest cycles, over the record
-SURE = 4.0  # standard errors of its slope: less may be chance
+DRIFT = 0.01  # of the peak of the smallest cycles, over the record: a smaller one is left out
+MUCH_DRIFT = 0.03  # ... that is warned of
+SURE = 4.0  # standard errors of a slope or an offset that is warned of: less may be chance
 FEWEST_ZEROS = 4  # a line through fewer zeros says nothing
 # Neighbouring zeros have legs in common: with the weights 1/4, 1/2 and 1/4 of `measure_zeros`, the
 # variance of their mean is 1/(1/16 + 1/4 + 1/16) times that of independent zeros.
@@ -175,6 +176,7 @@ class Drift(NamedTuple):
     begin: float  # of the line at the first of these times [mm or kN]
     total: float  # over the record [mm or kN]
     error: float  # half the 95 % interval of `total` [mm or kN]
+    matters: bool  # to the smallest cycles, and no chance: it is warned of
 
 
 @dataclass(frozen=True)
@@ -375,10 +377,11 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
         half_width = float(stdtrit(len(times) - 2, UPPER_END)) * SHARED_LEGS * slope_error
         # Both: a slope that is no chance, and a drift of a size that matters to the smallest
         # cycles, whose stiffness and damping it changes most.
-        certain = abs(slope) > max(SURE * slope_error, half_width)
-        if name in requested or (certain and abs(slope) * length > DRIFT * small_peak):
+        share = abs(slope) * length / small_peak
+        matters = abs(slope) > max(SURE * slope_error, half_width) and share > MUCH_DRIFT
+        if name in requested or (abs(slope) > half_width and share > DRIFT):
             line = float(slope), float(begin), float(slope) * length
-            drifts[name] = Drift(times, middles, *line, half_width * length)
+            drifts[name] = Drift(times, middles, *line, half_width * length, bool(matters))
     return drifts
 
 
@@ -411,12 +414,12 @@ def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
             yield level("spikes", f"{message}; {end}")
     for name, drift in treatment.drifts.items():
         unit = UNITS[name]
-        message = (
-            f"the zero of the {name} drifts by {drift.total:.3g} \N{PLUS-MINUS SIGN} "
-            f"{drift.error:.2g} {unit} (95 %) over the record"
-        )
+        size = f"{drift.total:.3g} \N{PLUS-MINUS SIGN} {drift.error:.2g} {unit} (95 %)"
         if name in _detrended(record):
-            message += "; it was removed as a straight line in time"
+            message = (
+                f"the drift of the zero of the {name}, {size} over the record, was removed as a "
+                "straight line in time"
+            )
             if drift.error <= UNSURE * abs(drift.total):
                 yield note("drift", message)
             else:
@@ -426,8 +429,11 @@ def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
                     f"{counted(len(drift.times), 'half cycle')} determine the line",
                 )
         else:
-            message += f'; detrend = "{name}" in the sidecar, or --detrend {name}, removes it'
-            yield warn("drift", message)
+            message = (
+                f"the zero of the {name} drifts by {size} over the record; "
+                f'detrend = "{name}" in the sidecar, or --detrend {name}, removes it'
+            )
+            yield (warn if drift.matters else note)("drift", message)
     for name in _detrended(record):
         if name not in treatment.drifts:
             message = (

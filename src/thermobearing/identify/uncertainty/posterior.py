@@ -306,7 +306,7 @@ def _share_note(band: Band) -> str:
     return (
         f"{item.quantity} at {band.ambient:.4g} degC is known to \N{PLUS-MINUS SIGN}"
         f"{percent(half, 1)}. {percent(item.held_share)} of its variance come from what these "
-        f"tests do not determine ({causes})"
+        f"tests do not determine; the largest shares of all causes: {causes}"
     )
 
 
