@@ -82,7 +82,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
     bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
     named = {**bearing, "name": summary["bearing"]}
     tests = [str(record["name"]) for record in summary["records"]]
-    parameters = replace(parameters_table(summary, BRIEF), note="")
+    parameters = parameters_table(summary, BRIEF)
     held_out = summary.get("held_out") or {}
     listed = [*summary["records"], *held_out.get("records", [])]
     tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}

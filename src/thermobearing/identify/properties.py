@@ -41,6 +41,7 @@ DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
 FIRST_CYCLE, LATER_CYCLES = "first of the largest", "mean without the first"  # of a prediction
 HIGH = 0.975  # upper end of a 95 % interval
 WITHIN = "\N{NO-BREAK SPACE}\N{PLUS-MINUS SIGN}\N{NO-BREAK SPACE}"  # between value and half width
+MOST_DECIMALS = 4  # of a value with its interval
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
 
 
@@ -331,9 +332,9 @@ def _test_and_model(items: Sequence[Row], measured: str, model: str, ends: str) 
 def _rounded_up(half_width: float) -> tuple[str, str]:
     """Return the format of values with an interval, and its half width in two digits, rounded up.
 
-    A smaller half width would state too narrow an interval.
+    A smaller half width would state too narrow an interval; more than four decimals say nothing.
     """
-    decimals = 1 - math.floor(math.log10(half_width))
+    decimals = min(1 - math.floor(math.log10(half_width)), MOST_DECIMALS)
     step = 10.0**-decimals
     # Not a digit more for what is two digits but for rounding.
     rounded = math.ceil(half_width / step - NOT_SHOWN) * step

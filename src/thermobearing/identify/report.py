@@ -194,7 +194,9 @@ def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
         }
         for key, item in summary["parameters"].items()
     ]
-    note = "Standard errors include the uncertainty of the parameters that are held. "
+    note = "Standard errors include the uncertainty of the parameters that are held. Intervals "
+    note += "are wider than two of them where an uncertainty is itself known from few degrees of "
+    note += "freedom (Student's distribution). "
     note += _correlated(summary)
     caption = "Identified parameters"
     return make_table(pd.DataFrame(rows), names, caption, keys=2, note=note, keep_keys=True)

@@ -54,7 +54,8 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
         words = [
             word
             for cell in cells
-            for word in ([cell] if place in numbers or len(cell) < BRIEF else cell.split())
+            # At spaces only: others keep words together.
+            for word in ([cell] if place in numbers or len(cell) < BRIEF else cell.split(" "))
         ]
         # A column is never narrower than its head, nor than its longest word (up to LONGEST_WORD).
         least = max([*head, *(min(_count(word), LONGEST_WORD) for word in words)])

@@ -272,9 +272,9 @@ class CrossValidation(Result):
         # With folds, the tests are those of the final fit, which has their findings.
         checks = [] if self.folds else self.checks
         findings = [*check_warnings(checks, of_zeros=True), *check_warnings(checks, of_zeros=False)]
-        known = self.final.warnings
-        findings = [f"held out, {text}" for text in findings if text not in known]
-        return [*known, *findings, *self.held_out.warnings]
+        fitted = self.final.warnings
+        findings = [f"held out, {text}" for text in findings if text not in fitted]
+        return [*fitted, *findings, *self.held_out.warnings]
 
     @cached_property
     def judged(self) -> Validation:
