@@ -143,14 +143,16 @@ LHDR = tb.load_bearing("shen-lhdr-bridge")
 
 def measured_values(
     bearing: Any, air: list[float], strain: float, *_: Any
-) -> tuple[pd.DataFrame, list[Any]]:
+) -> pd.DataFrame:
     """Values that are 1 at 23 degC and more in the cold, the more the larger the plan."""
     rows = [
         {"strain": strain, "basis": "first", "ambient_degC": t, "quantity": "K_eq", "unit": "",
          "value": 2.0 * (1.0 + (t < 0.0) * bearing.area / 1e6)}
         for t in air
     ]  # fmt: skip
-    return pd.DataFrame(rows), []
+    frame = pd.DataFrame(rows)
+    frame.attrs = {"tested_range": [], "lead_rises": []}
+    return frame
 
 
 def test_band_of_several_bearings_is_from_5_to_95_percent(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -187,11 +189,13 @@ def test_first_heated_and_mean_cycles(monkeypatch: pytest.MonkeyPatch) -> None:
 
     def fake(bearing: Any, test: Any, air: Any, **_: Any) -> Any:
         asked.append(test)
-        return SimpleNamespace(outcome="completed", cycles=cycles, tested_range=pd.DataFrame())
+        return SimpleNamespace(
+            outcome="completed", cycles=cycles, tested_range=pd.DataFrame(), has_lead=False
+        )
 
     monkeypatch.setattr(factors, "run", fake)
     bearing = tb.load_bearing("shen-hdr-bridge")
-    table, _ = factors._measured(bearing, [0.0], 1.0, 2.0, (2, 4), {})
+    table = factors._measured(bearing, [0.0], 1.0, 2.0, (2, 4), {})
     assert asked[0].steps[0].count == 4
     values = table.pivot_table(index="quantity", columns="basis", values="value")
     scale_to_stiffness = bearing.area / bearing.total_rubber_thickness / 1e3
@@ -216,7 +220,7 @@ def test_period_from_a_speed_is_that_of_each_strain(monkeypatch: pytest.MonkeyPa
     def table(bearings: Any, *, strains: list[float], period: float, **_: Any) -> pd.DataFrame:
         asked.append(period)
         found = pd.DataFrame({"strain": strains, "ambient_degC": 23.0})
-        found.attrs["tested_range"] = []
+        found.attrs = {"tested_range": [], "lead_rises": []}
         return found
 
     monkeypatch.setattr(factors, "temperature_factors", table)

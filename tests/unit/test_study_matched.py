@@ -278,7 +278,7 @@ SPECTRA = {
     "a,b\n0.1,1\n3,1\n": 'no column "period"',
     "period,Sa [kN]\n0.1,1\n3,1\n": 'unknown unit of acceleration "kN"',
     "period,Sa [g]\n0.1,1\n3,1\n2,1\n": "do not increase from 3 to 2 s",
-    "period,Sa [g]\n0,1\n3,1\n": "must be greater than 0",
+    "period,Sa [g]\n-0.1,1\n3,1\n": "must be greater than 0",
     "period,Sa [g]\n0.2,1\n2,1\n": "reaches from 0.2 to 2 s",
     "period [ms],Sa [g]\n0.1,1\n3,1\n": "periods are in s",
 }
