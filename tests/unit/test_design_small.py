@@ -141,9 +141,7 @@ def test_each_kind_of_rubber_has_its_own_curves() -> None:
 LHDR = tb.load_bearing("shen-lhdr-bridge")
 
 
-def measured_values(
-    bearing: Any, air: list[float], strain: float, *_: Any
-) -> pd.DataFrame:
+def measured_values(bearing: Any, air: list[float], strain: float, *_: Any) -> pd.DataFrame:
     """Values that are 1 at 23 degC and more in the cold, the more the larger the plan."""
     rows = [
         {"strain": strain, "basis": "first", "ambient_degC": t, "quantity": "K_eq", "unit": "",
