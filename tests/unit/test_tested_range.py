@@ -180,19 +180,19 @@ def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
     strong = {"name": "jra-ii-i-1", "factor": 2.0}
     study = tb.bridge(bearings, strong, [23.0, -60.0], duration=14.0)
     beyond = dict(zip(study.run_names, study.table["beyond_tested"], strict=True))
-    assert beyond["lrb-example, jra-ii-i-1, 23 degC"] == ""
-    assert "ambient" in beyond["shen-bilinear-bridge, jra-ii-i-1, -60 degC"]
-    assert beyond["shen-lhdr-bridge, jra-ii-i-1, 23 degC"].startswith("strain strain_rate")
+    assert beyond["lrb-example, jra-ii-i-1-x2, 23 degC"] == ""
+    assert "ambient" in beyond["shen-bilinear-bridge, jra-ii-i-1-x2, -60 degC"]
+    assert beyond["shen-lhdr-bridge, jra-ii-i-1-x2, 23 degC"].startswith("strain strain_rate")
     # One warning a cause: the strains of two bearings are one.
     (said,) = [text for text in study.warnings if "shen-lhdr-bridge: strain " in text]
     assert said.startswith("shen-bilinear-bridge: strain ")
-    assert "above the 250 % tested (in 1 of 2 runs; largest in jra-ii-i-1 at 23 degC)" in said
+    assert "above the 250 % tested (in 1 of 2 runs; largest in jra-ii-i-1-x2 at 23 degC)" in said
     assert sum("ambient" in text for text in study.warnings) == 1
     assert sum("range not given" in text for text in study.warnings) == 1
     rows = study.tested_range
     worst = float(study["bearing_strain_max"].values[4])
     assert rows.set_index(["run", "limit"])["demand"][
-        "shen-lhdr-bridge, jra-ii-i-1, 23 degC", "strain"
+        "shen-lhdr-bridge, jra-ii-i-1-x2, 23 degC", "strain"
     ] == pytest.approx(worst)
     assert study.summary()["runs"][4]["beyond_tested"].startswith("strain")
     shaded = [

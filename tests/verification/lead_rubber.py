@@ -95,7 +95,6 @@ class LeadRubber:
         )
         column = build_column(self.geometry, lead, secant=0.0, section=self.section)
         column["layer_thickness"], column["layer_count"] = self.layers * self.thickness, 1.0
-        column["gross_area"] = column["area"]
         return constants._replace(rubber=rubber, lead=constants.lead._replace(cores=0.0)), column
 
 

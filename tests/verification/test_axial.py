@@ -54,7 +54,7 @@ SQUARE = _geometry(SquarePlan(shape="square", side=600), 10, 12.0, 4.0)
 
 def layer_sums(column, moduli, counts):
     """c, g and smallest G of layers, through the kernel that takes stiffness terms."""
-    stiffness = np.array(moduli) * column.gross_area / column.layer_thickness
+    stiffness = np.array(moduli) * column.area / column.layer_thickness
     return compliance.py_func(column, np.array(counts, float), stiffness, np.zeros(len(moduli)))
 
 

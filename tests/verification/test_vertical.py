@@ -131,7 +131,6 @@ def _bearing():
     column = build_column(BEARING_L, LEAD, secant=0.0)
     # One layer stands for all of them, and its stiffness is that of the net area.
     column["layer_thickness"], column["layer_count"] = 176.0, 1.0
-    column["gross_area"] = column["area"]
     lead = constants.lead._replace(cores=0.0)
     return constants._replace(rubber=rubber, lead=lead), column
 

@@ -27,7 +27,6 @@ class Column:
     """A bearing as a column of layers under an axial force."""
 
     area: float  # of rubber in compression, A [mm2]
-    gross_area: float  # of the plan, which shear moduli refer to [mm2]
     inertia_x: float  # second moment of A for bending along x [mm4]
     inertia_y: float
     length: float  # of the plan along x, or its diameter [mm]
@@ -74,7 +73,7 @@ def compliance(
     These are c [mm3/kN], the same in shear, sum t_r/G [mm3/kN], and the smallest G [GPa].
     """
     compression, shear, softest, layers = 0.0, 0.0, math.inf, 0.0
-    per_stiffness = column.layer_thickness / column.gross_area
+    per_stiffness = column.layer_thickness / column.area
     for j in range(len(multiplicity)):
         modulus = (elastic[j] + column.secant * hysteretic[j]) * per_stiffness
         count = multiplicity[j]

@@ -84,7 +84,12 @@ def _treatment_table(records: Sequence[Row]) -> Table:
     rows = []
     for record in records:
         treatment = record.get("treatment") or {}
-        drift = [f"{name} {size}" for name, size in _drift_sizes(treatment).items()]
+        removed = treatment.get("drift_removed", [])
+        drift = [
+            f"{name} {size}{', removed' if name in removed else ''}"
+            for name, size in _drift_sizes(treatment).items()
+        ]
+        spikes = str(sum(treatment["spikes"].values())) if treatment else ""
         steps = [*_subtracted(treatment), *_reversed(treatment)]
         rows.append(
             {
@@ -93,10 +98,8 @@ def _treatment_table(records: Sequence[Row]) -> Table:
                 "noise_force_kN": treatment.get("noise", {}).get("force_kN"),
                 "rests_held": treatment.get("rests"),
                 "samples_at_rest": treatment.get("samples_at_rest"),
-                "spikes_found": sum(treatment["spikes"].values()) if treatment else None,
-                "spikes_removed": "yes" if treatment.get("spikes_removed") else "no",
-                "drift_of_zero": ", ".join(drift) or "none",
-                "drift_removed": ", ".join(treatment.get("drift_removed", [])) or "nothing",
+                "spikes": f"{spikes}, removed" if treatment.get("spikes_removed") else spikes,
+                "drift_of_zero": "; ".join(drift) or "none",
                 "offset_and_sign": ", ".join(steps) or "nothing",
                 "columns_not_used": ", ".join(record.get("unused_columns", [])),
             }

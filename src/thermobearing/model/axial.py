@@ -132,7 +132,6 @@ def build_column(
     return filled(
         Column,
         area=section.area,
-        gross_area=section.area,
         inertia_x=section.inertia[0],
         inertia_y=section.inertia[1],
         length=along_across[0],
