@@ -45,7 +45,7 @@ for x in 80.0 * np.sin(0.1 * np.arange(1, 200)):
 found["element"] = np.array(steps)
 runs = shakes(duration=3.0)[:16]
 for k, one in enumerate(run_lanes(runs) if "lanes" in sys.argv else [run_peaks(runs[0])]):
-    for group in ("watches", "lines", "response", "bearings"):
+    for group in ("watches", "lines", "energies", "bearings"):
         rows = getattr(one, group)
         for name in rows.dtype.names:
             found[f"{k} {group} {name}"] = rows[name]

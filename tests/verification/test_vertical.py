@@ -391,6 +391,9 @@ def test_precedence_of_outcomes():
     assert with_axial_outcome("completed", lifted) == "uplift"
     history.peaks["first"] = 1.0
     assert with_axial_outcome("pier_beyond_limit", history) == "unstable"
+    # What moves too far after it buckled is unstable: the cause goes before its effects.
+    assert with_axial_outcome("not_physical", history) == "unstable"
+    history.peaks["first"] = -1.0
     assert with_axial_outcome("not_physical", history) == "not_physical"
 
 

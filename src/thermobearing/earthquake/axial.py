@@ -138,11 +138,12 @@ def first_exceedance(peak: SectionPeak) -> float:
 
 def with_axial_outcome(outcome: str, axial: AxialHistory | None) -> str:
     """Return the outcome of a run that reached its end, with that of its axial forces."""
-    if axial is None or outcome == NOT_PHYSICAL:
+    if axial is None:
         return outcome
     peaks: Any = axial.peaks
     sections: Any = axial.sections
-    if is_unstable(axial) or peaks["unbalanced"].any():
+    # The cause before its effects: a bearing that buckles may then move farther than is physical.
+    if is_unstable(axial) or (outcome != NOT_PHYSICAL and peaks["unbalanced"].any()):
         return UNSTABLE
     if outcome != COMPLETED:
         return outcome
