@@ -26,6 +26,8 @@ testing._get_command = cache(testing._get_command)
 # Doctests are collected from every module: not from one whose package is not installed.
 NEEDS_ELEMENTS = "src/thermobearing/verify/finite_elements.py"
 collect_ignore = [] if find_spec("skfem") else [NEEDS_ELEMENTS]
+if not find_spec("importlinter"):  # of the extra `lint`
+    collect_ignore.append("tests/circles.py")
 
 pytest_plugins = ["tests.fixtures.kernels", "tests.fixtures.study"]
 

@@ -58,10 +58,11 @@ main()
 
 
 def test_no_optional_package_is_needed() -> None:
-    if native.open_library()[0] is None:
-        pytest.skip("the kernels of these sources are not built: make kernels")
+    # Where no kernels are built, numba is needed to compile them.
+    built = native.open_library()[0] is not None
+    absent = ",".join(name for name in OPTIONAL if built or name != "numba")
     ended = subprocess.run(
-        [sys.executable, "-c", PROGRAM, ",".join(OPTIONAL), "verify", "--json", "--quiet"],
+        [sys.executable, "-c", PROGRAM, absent, "verify", "--json", "--quiet"],
         capture_output=True,
         text=True,
         check=False,
