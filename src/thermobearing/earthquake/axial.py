@@ -249,11 +249,7 @@ def p_delta_messages(tasks: Sequence["Task"], histories: Sequence[StructureHisto
 
 def dead_load_on(structure: Structure, name: str) -> float:
     """Return the dead load of the bearing lines on a body, as far as it is stated [kN]."""
-    return sum(
-        sum(line.axial.dead_loads(line.count))
-        for line in structure.bearings
-        if line.base == name and line.axial is not None
-    )
+    return sum(line.dead_load for line in structure.bearings if line.base == name)
 
 
 def _unstable_message(history: StructureHistory, a: int, count: int) -> str:
@@ -301,11 +297,10 @@ def loading_messages(
 def _weight_message(case: EarthquakeCase) -> str:
     """Return a sentence where dead loads of all lines are not the weight above them."""
     lines = case.structure.bearings
-    tables = [line.axial for line in lines]
     weight = GRAVITY * carried_mass(case.structure)
-    if not weight or any(table is None for table in tables):
+    if not weight or any(line.axial is None for line in lines):
         return ""
-    loads = sum(sum(line.axial.dead_loads(line.count)) for line in lines if line.axial is not None)
+    loads = sum(line.dead_load for line in lines)
     if abs(loads - weight) <= WEIGHT_TOLERANCE * weight:
         return ""
     return (

@@ -301,7 +301,7 @@ def _geometric_stiffness(structure: Structure) -> Floats:
     for item in structure.masses:
         stiffness -= GRAVITY * item.mass * _lowering(structure, item.body, item.height)
     for line in structure.bearings:
-        load = sum(line.axial.dead_loads(line.count)) if line.axial is not None else 0.0
+        load = line.dead_load
         lowering = _lowering(structure, line.base, line.height)
         stiffness -= load * (lowering - _lowering(structure, line.body, line.height))
         turns = _rotation_row(structure, line.base) + _rotation_row(structure, line.body)

@@ -187,6 +187,11 @@ class BearingLine(Strict):
     height_across: Height | None = None
     axial: AxialTable | None = None
 
+    @property
+    def dead_load(self) -> float:
+        """Dead load on all bearings of the line [kN]; zero where it is not stated."""
+        return sum(self.axial.dead_loads(self.count)) if self.axial is not None else 0.0
+
 
 class Damping(Strict):
     """Viscous damping of the structure without its bearings; see docs/theory.md.

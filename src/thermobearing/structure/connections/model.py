@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 import scipy
@@ -29,6 +29,8 @@ class DeviceTable(Strict):
         sliders in both directions.
     """
 
+    _together: ClassVar[tuple[str, str]]  # keys of a kind that need each other
+
     name: Name
     line: Name | None = None
     body: Name | None = None
@@ -43,12 +45,15 @@ class DeviceTable(Strict):
 
     @classmethod
     def _conflicts(cls, values: dict[str, Any]) -> list[str]:
-        """A line says where the device is, or a body does."""
+        """A line says where the device is, or a body does; some keys need each other."""
         if ("line" in values) == ("body" in values):
             return ["line, body: give the line that the device is parallel to, or a body"]
         places = [key for key in ("base", "height", "x", "y") if key in values]
         if "line" in values and places:
             return [f"{', '.join(places)}: the line has it; remove it, or line"]
+        first, second = cls._together
+        if (first in values) != (second in values):
+            return [f"{first}, {second}: give both, or neither"]
         return []
 
     @property
@@ -88,6 +93,8 @@ class Damper(DeviceTable):
         oil keeps the temperature of the air.
     """
 
+    _together: ClassVar = ("temperatures", "factors")
+
     kind: Literal["damper"]
     force: Force
     velocity: Speed = 1e3
@@ -107,13 +114,6 @@ class Damper(DeviceTable):
         | None
     ) = None
     heat_capacity: Annotated[float, in_unit("kN mm/K"), Field(ge=1, le=1e9)] | None = None
-
-    @classmethod
-    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
-        faults = super()._conflicts(values)
-        if ("temperatures" in values) != ("factors" in values):
-            faults.append("temperatures, factors: give both, or neither")
-        return faults
 
     @model_validator(mode="after")
     def _table_rises(self) -> "Damper":
@@ -155,19 +155,14 @@ class Slider(DeviceTable):
     elastic_displacement : at which it begins to slide at `friction` [mm], 0.2 mm by default.
     """
 
+    _together: ClassVar = ("slow_friction", "friction_rate")
+
     kind: Literal["slider"]
     normal_force: Force
     friction: Annotated[float, Field(ge=1e-3, le=1)]
     slow_friction: Annotated[float, Field(ge=1e-3, le=1)] | None = None
     friction_rate: Annotated[float, in_unit("s/mm"), Field(ge=1e-5, le=10)] | None = None
     elastic_displacement: Annotated[float, in_unit("mm"), Field(ge=1e-3, le=100)] = 0.2
-
-    @classmethod
-    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
-        faults = super()._conflicts(values)
-        if ("slow_friction" in values) != ("friction_rate" in values):
-            faults.append("slow_friction, friction_rate: give both, or neither")
-        return faults
 
     @model_validator(mode="after")
     def _faster_is_stronger(self) -> "Slider":
@@ -210,19 +205,14 @@ class Gap(DeviceTable):
     closing_speed : [mm/s] at which `restitution` holds; faster impacts lose more.
     """
 
+    _together: ClassVar = ("restitution", "closing_speed")
+
     kind: Literal["gap"]
     gap: Annotated[float, in_unit("mm"), Field(ge=0, le=1e5)] = 0.0
     stiffness: Stiffness
     sides: Literal["both", "positive", "negative"] = "both"
     restitution: Annotated[float, Field(ge=0.05, lt=1)] | None = None
     closing_speed: Speed | None = None
-
-    @classmethod
-    def _conflicts(cls, values: dict[str, Any]) -> list[str]:
-        faults = super()._conflicts(values)
-        if ("restitution" in values) != ("closing_speed" in values):
-            faults.append("restitution, closing_speed: give both, or neither")
-        return faults
 
     def _size(self) -> str:
         side = "" if self.sides == "both" else f", {self.sides} side"
