@@ -10,6 +10,7 @@ from thermobearing.earthquake.axial import axial_forces_change, governing_axial_
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.options import build_model
+from thermobearing.results.screen import shown_warnings
 
 UNSTABLE_LOAD = "10500 kN"
 
@@ -108,6 +109,13 @@ def test_results_end_where_a_bearing_becomes_unstable(results):
     # The run reaches its end: its checks are those of all steps.
     assert unstable["time"].values[0, -1] == pytest.approx(11.0)
     assert not any("until then only" in text for text in unstable.warnings)
+
+
+def test_instability_is_the_first_warning_on_the_screen(results):
+    """After it, the numbers cannot be used; that the dead loads are unusual comes later."""
+    shown = shown_warnings(results["unstable"].warnings, most=20)
+    assert "unstable" in shown[0]
+    assert any("dead loads of the bearing lines" in text for text in shown[1:])
 
 
 def test_warnings_on_dead_loads_and_steps(results):

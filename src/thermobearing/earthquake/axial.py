@@ -16,6 +16,7 @@ from thermobearing.model.checks import axial_checks, check_rows
 from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.warned import ASSUMED, EXCEEDED, OTHER, UNUSABLE, Warned
 from thermobearing.quantities.words import joined
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row
@@ -163,65 +164,84 @@ def _pressed_lines(
                 yield task, number, history.axial.peaks[a], history.axial.energies[a]
 
 
-def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
-    """Return sentences on bearings that pass a limit of their axial force.
+def axial_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[Warned]:
+    """Return warnings of bearings that pass a limit of their axial force.
 
     Lines of a run with the same sentence, such as those of equal piers, share one.
     """
-    lines: dict[tuple[str, str], list[str]] = {}
+    lines: dict[tuple[str, Warned], list[str]] = {}
     for task, history in zip(tasks, histories, strict=True):
         for a, number in enumerate(history.axial.lines if history.axial is not None else ()):
             line = task.case.structure.bearings[number]
-            for sentence in _line_messages(history, a, line.count):
-                lines.setdefault((task.label(), sentence), []).append(line.name)
+            for warning in _line_messages(history, a, line.count):
+                lines.setdefault((task.label(), warning), []).append(line.name)
     return [
-        f"{joined(names)}{sentence.format(run=run)}" for (run, sentence), names in lines.items()
+        Warned(f"{joined(names)}{warning.format(run=run)}", warning.code, warning.effect)
+        for (run, warning), names in lines.items()
     ]
 
 
-def _line_messages(history: StructureHistory, a: int, count: int) -> list[str]:
-    """Return sentences on the bearings of a line, without its name and with a place for the run."""
+def _line_messages(history: StructureHistory, a: int, count: int) -> list[Warned]:
+    """Return warnings of the bearings of a line, without its name and with a place for the run."""
     assert history.axial is not None
     peak, messages = history.axial.peaks[a], []
+
+    def warn(code: str, effect: float, sentence: str) -> None:
+        messages.append(Warned(sentence, code, effect))
+
     if peak.first >= 0.0:
-        messages.append(_unstable_message(history, a, count))
+        warn("unstable", UNUSABLE, _unstable_message(history, a, count))
     elif peak.falling >= 0.0:
-        messages.append(
+        warn(
+            "unstable",
+            UNUSABLE,
             " ({run}): unstable, the shear force falls as the displacement grows from "
-            f"{peak.falling:.4g} s on"
+            f"{peak.falling:.4g} s on",
         )
     elif peak.unbalanced > 0.0:
-        messages.append(
+        warn(
+            "unstable",
+            UNUSABLE,
             " ({run}): unstable, the overturning moment exceeds what the bearings can balance in "
-            f"{peak.unbalanced:.0f} steps"
+            f"{peak.unbalanced:.0f} steps",
         )
     elif peak.share > NEAR:
-        messages.append(
+        warn(
+            "near_critical_load",
+            OTHER,
             f", bearing {peak.share_bearing + 1:.0f} of {count} ({{run}}): reaches "
             f"{peak.share:.2f} of its critical load at {peak.share_time:.4g} s and "
-            f"{peak.share_x:.3g} mm, with an axial force of {peak.share_force:.4g} kN"
+            f"{peak.share_x:.3g} mm, with an axial force of {peak.share_force:.4g} kN",
         )
     least = f", bearing {peak.least_bearing + 1:.0f} of {count} ({{run}}): "
     if peak.uplift > 0.0:
-        messages.append(
+        warn(
+            "uplift",
+            EXCEEDED,
             f"{least}lifts, first at {peak.least_time:.4g} s; the largest uplift is "
-            f"{peak.uplift:.3g} mm"
+            f"{peak.uplift:.3g} mm",
         )
     if peak.tension > 1.0:
-        messages.append(
+        warn(
+            "cavitated",
+            EXCEEDED,
             f"{least}the rubber cavitates, with a damage of {peak.damage:.0%} and a tension of up "
-            f"to {-peak.least:.4g} kN"
+            f"to {-peak.least:.4g} kN",
         )
     elif peak.tension > NEAR:
-        messages.append(
+        warn(
+            "near_cavitation",
+            OTHER,
             f"{least}reaches {peak.tension:.2f} of the tension at which its rubber cavitates at "
-            f"{peak.least_time:.4g} s, with {-peak.least:.4g} kN"
+            f"{peak.least_time:.4g} s, with {-peak.least:.4g} kN",
         )
     return messages
 
 
-def p_delta_messages(tasks: Sequence["Task"], histories: Sequence[StructureHistory]) -> list[str]:
-    """Return a sentence for each pier whose dead load takes a large share of its yield moment."""
+def p_delta_messages(
+    tasks: Sequence["Task"], histories: Sequence[StructureHistory]
+) -> list[Warned]:
+    """Return a warning for each pier whose dead load takes a large share of its yield moment."""
     largest: dict[str, tuple[float, float, str]] = {}
     for task, history in zip(tasks, histories, strict=True):
         structure = task.case.structure
@@ -234,16 +254,20 @@ def p_delta_messages(tasks: Sequence["Task"], histories: Sequence[StructureHisto
                     share = load * float(displacement) / hinges[number].yield_moment
                     named = share, float(displacement), task.label()
                     largest[pier.name] = max(largest.get(pier.name, named), named)
+    remedy = "p_delta = true of the structure adds P-delta"
+    if tasks and tasks[0].case.structure.p_delta:
+        remedy = "check the P-delta of the pier"
+    limit = LIMITS["p_delta"]["value"]
     return [
-        f"{name}: the dead load of its bearing lines at {displacement:.0f} mm makes {share:.0%} of "
-        f"the yield moment of the pier ({label}), more than {LIMITS['p_delta']['value']:.0%}; "
-        + (
-            "check the P-delta of the pier"
-            if tasks[0].case.structure.p_delta
-            else "p_delta = true of the structure adds P-delta"
+        Warned(
+            f"the dead load of its bearing lines at {displacement:.0f} mm makes {share:.0%} of the "
+            f"yield moment of the pier ({label}), more than {limit:.0%}; {remedy}",
+            "p_delta",
+            EXCEEDED,
+            name,
         )
         for name, (share, displacement, label) in largest.items()
-        if share > LIMITS["p_delta"]["value"]
+        if share > limit
     ]
 
 
@@ -272,9 +296,11 @@ def _unstable_message(history: StructureHistory, a: int, count: int) -> str:
 
 def loading_messages(
     case: EarthquakeCase, tasks: Sequence["Task"], histories: Sequence[StructureHistory]
-) -> list[str]:
+) -> list[Warned]:
     """Return warnings on the table of axial forces: dead loads, and steps of vertical motion."""
-    messages = [_weight_message(case)] if case.analysis.has_axial else []
+    messages: list[Warned] = []
+    if case.analysis.has_axial and (sentence := _weight_message(case)):
+        messages.append(Warned(sentence, "dead_loads", ASSUMED))
     shortest: dict[str, tuple[float, float]] = {}
     for task, history in zip(tasks, histories, strict=True):
         if history.axial is not None and case.analysis.axial == "vertical":
@@ -286,12 +312,13 @@ def loading_messages(
                 shortest[name] = min(pair, shortest.get(name, pair))
     if steep := {name: pair for name, pair in shortest.items() if pair[0] < LEAST_STEPS}:
         name, (steps, period) = min(steep.items(), key=lambda item: item[1])
-        messages.append(
+        sentence = (
             f"the vertical period of the bearings ({joined(list(steep))}; shortest {period:.3g} s, "
             f"{name}) has {steps:.1f} steps, fewer than {LEAST_STEPS:g}: extremes of axial forces "
             f"are uncertain; give analysis.dt = {_rounded_down(1e3 * period / LEAST_STEPS):g} ms"
         )
-    return [message for message in messages if message]
+        messages.append(Warned(sentence, "vertical_steps", ASSUMED))
+    return messages
 
 
 def _weight_message(case: EarthquakeCase) -> str:
