@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.linalg import expm
-from scipy.optimize import brentq
 
 from tests.conftest import Recorder
 from tests.tolerances import ADIABATIC_RISE, FIXED_POINT, MODE_CAP, ORDER, STEADY_CAP, TIME_CAP
@@ -30,6 +29,7 @@ from tests.verification.models import (
 from thermobearing.bearing.model import Bearing, Material
 from thermobearing.core.types import Floats
 from thermobearing.model.stack import EndFace, build_stack
+from thermobearing.verify.closed_forms import composite_mode, film_wave
 
 RUBBER = Material(conductivity=0.31, specific_heat=1732.0, density=1146.0)
 STEEL = Material(conductivity=38.76, specific_heat=432.0, density=7740.0)
@@ -76,38 +76,13 @@ def single_mode(wave: float, face: EndFace, material: Material, side_film: float
 
 
 def film_mode() -> Mode:
-    """The slowest mode with k wave tan(wave H) = film at the upper face."""
-    k, film = conductivity(STEEL), FILM * 1e-6
-    wave = brentq(
-        lambda w: k * w * math.sin(w * H) - film * math.cos(w * H),
-        0.0,
-        0.5 * math.pi / H,
-        xtol=1e-16,
-    )
-    return single_mode(wave, EndFace(film=FILM), STEEL, 0.0)
+    """The slowest mode with a film at the upper face."""
+    return single_mode(film_wave(STEEL, FILM), EndFace(film=FILM), STEEL, 0.0)
 
 
-def composite_mode() -> Mode:
-    """Rubber cos(p y), steel C sin(q (H - y)): equal temperature and flux at y = B, 0 at H."""
-    k_r, k_s = conductivity(RUBBER), conductivity(STEEL)
-
-    def waves(rate: float) -> tuple[float, float]:
-        return math.sqrt(rate / diffusivity(RUBBER)), math.sqrt(rate / diffusivity(STEEL))
-
-    def flux_gap(rate: float) -> float:
-        p, q = waves(rate)
-        rubber = k_r * p * math.sin(p * B) * math.sin(q * (H - B))
-        return rubber - k_s * q * math.cos(q * (H - B)) * math.cos(p * B)
-
-    longest = diffusivity(RUBBER) * (0.5 * math.pi / B) ** 2
-    rate = brentq(flux_gap, 1e-6 * longest, longest, xtol=1e-18)
-    p, q = waves(rate)
-    c = math.cos(p * B) / math.sin(q * (H - B))
-
-    def profile(y: Floats) -> Floats:
-        return np.where(y < B, np.cos(p * y), c * np.sin(q * (H - y)))
-
-    return Mode(RUBBER, STEEL, 0.0, FIXED, rate, profile)
+def two_materials() -> Mode:
+    """The slowest mode of rubber and steel, whose face has the ambient temperature."""
+    return Mode(RUBBER, STEEL, 0.0, FIXED, *composite_mode(RUBBER, STEEL))
 
 
 MODES: dict[str, Callable[[], Mode]] = {
@@ -115,7 +90,7 @@ MODES: dict[str, Callable[[], Mode]] = {
     "fixed face": lambda: single_mode(0.5 * math.pi / H, FIXED, RUBBER, 0.0),
     "second mode and side loss": lambda: single_mode(1.5 * math.pi / H, FIXED, RUBBER, SIDE),
     "film at the face": film_mode,
-    "rubber and steel": composite_mode,
+    "rubber and steel": two_materials,
 }
 
 

@@ -131,24 +131,24 @@ def decaying_cosine() -> Comparison:
     return _decay(steel, steel, EndFace(eta=1.0), rate, lambda y: np.cos(wave * y))
 
 
-def decaying_film_mode() -> Comparison:
-    """Return the error of the slowest mode with a film, k w tan(w H) = film."""
-    steel = tb.load_bearing(HDR).materials.steel
-    k, film = steel.conductivity * PER_METRE, FILM * PER_AREA
-    wave = brentq(
-        lambda w: k * w * math.sin(w * H) - film * math.cos(w * H),
-        0.0,
-        0.5 * math.pi / H,
-        xtol=1e-16,
-    )
-    rate = _diffusivity(steel) * wave**2
-    return _decay(steel, steel, EndFace(film=FILM), rate, lambda y: np.cos(wave * y))
+def film_wave(material: Material, film: float) -> float:
+    """Return the wave number [1/mm] of the slowest mode with a film [W/(m2 K)], at y = H.
+
+    k w tan(w H) = film.
+    """
+    k, film_kn = material.conductivity * PER_METRE, film * PER_AREA
+
+    def imbalance(wave: float) -> float:
+        return k * wave * math.sin(wave * H) - film_kn * math.cos(wave * H)
+
+    return float(brentq(imbalance, 0.0, 0.5 * math.pi / H, xtol=1e-16))
 
 
-def decaying_composite_mode() -> Comparison:
-    """Return the error of the slowest mode of rubber and steel with a face at the ambient."""
-    materials = tb.load_bearing(HDR).materials
-    rubber, steel = materials.rubber, materials.steel
+def composite_mode(rubber: Material, steel: Material) -> tuple[float, Callable[[Floats], Floats]]:
+    """Return rate [1/s] and profile of the slowest mode of rubber and steel, zero at y = H.
+
+    Rubber cos(p y), steel C sin(q (H - y)): equal temperature and flux at y = B.
+    """
 
     def waves(rate: float) -> tuple[float, float]:
         return math.sqrt(rate / _diffusivity(rubber)), math.sqrt(rate / _diffusivity(steel))
@@ -159,14 +159,29 @@ def decaying_composite_mode() -> Comparison:
         return inside - steel.conductivity * q * math.cos(q * (H - B)) * math.cos(p * B)
 
     slowest = _diffusivity(rubber) * (0.5 * math.pi / B) ** 2
-    rate = brentq(flux_gap, 1e-6 * slowest, slowest, xtol=1e-18)
+    rate = float(brentq(flux_gap, 1e-6 * slowest, slowest, xtol=1e-18))
     p, q = waves(rate)
     factor = math.cos(p * B) / math.sin(q * (H - B))
 
     def profile(y: Floats) -> Floats:
         return np.where(y < B, np.cos(p * y), factor * np.sin(q * (H - y)))
 
-    return _decay(rubber, steel, EndFace(eta=3.0), rate, profile)
+    return rate, profile
+
+
+def decaying_film_mode() -> Comparison:
+    """Return the error of the slowest mode with a film."""
+    steel = tb.load_bearing(HDR).materials.steel
+    wave = film_wave(steel, FILM)
+    rate = _diffusivity(steel) * wave**2
+    return _decay(steel, steel, EndFace(film=FILM), rate, lambda y: np.cos(wave * y))
+
+
+def decaying_composite_mode() -> Comparison:
+    """Return the error of the slowest mode of rubber and steel with a face at the ambient."""
+    materials = tb.load_bearing(HDR).materials
+    mode = composite_mode(materials.rubber, materials.steel)
+    return _decay(materials.rubber, materials.steel, EndFace(eta=3.0), *mode)
 
 
 def adiabatic_heating() -> Comparison:
