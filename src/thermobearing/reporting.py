@@ -324,13 +324,10 @@ def put_files(directory: Path, content: Mapping[str, bytes | None]) -> list[Path
     final = directory.resolve()
     try:
         with new_sibling(final) as partial:
-            try:
-                for name, raw in content.items():
-                    if raw is not None:
-                        write_through(partial / name, raw)
-                _exchange(partial, final, list(content))
-            finally:
-                shutil.rmtree(partial, ignore_errors=True)
+            for name, raw in content.items():
+                if raw is not None:
+                    write_through(partial / name, raw)
+            _exchange(partial, final, list(content))
     except OSError as error:
         raise OutputError(
             f"{directory}: the report cannot be written: {error.strerror or error}; "

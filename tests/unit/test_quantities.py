@@ -111,7 +111,7 @@ def test_marks_and_failed_runs(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_sentences_follow_their_table(capsys: pytest.CaptureFixture[str]) -> None:
     """A column of sentences is as wide as the longest one, and no screen has so much room."""
-    sentence = "A pier exceeded its limits. " * 10
+    sentence = " ".join(10 * ["A pier exceeded its limits."])
     heads = [Quantity("Outcome"), Quantity("Explanation"), Quantity("Runs", form="d")]
     show_table(Table("Failed runs", heads, [["beyond", sentence, 35], ["torn", "short", 4]]))
     lines = capsys.readouterr().out.splitlines()

@@ -130,7 +130,9 @@ def test_peaks_of_studies_in_plan_are_those_of_histories(monkeypatch: pytest.Mon
     for one, other in zip(alone, peaks, strict=True):
         assert one.numbers["outcome"] == other.numbers["outcome"] == "completed"
         for name in set(shard.RESULT_COLUMNS) - set(shard.TEXTS):
-            assert_allclose(other.numbers[name], one.numbers[name], rtol=tol.LOOP, err_msg=name)
+            # A residual is itself of the size of rounding.
+            expected = one.numbers[name]
+            assert_allclose(other.numbers[name], expected, tol.LOOP, tol.LOOP, err_msg=name)
     response = run.run_task(tasks[1]).bearing(1)["displacement"]
     assert np.hypot(*response.T).max() <= alone[1].numbers["bearing_displacement_max_mm"]
     assert alone[0].numbers["pier_moment_max_kN_m"] != alone[1].numbers["pier_moment_max_kN_m"]

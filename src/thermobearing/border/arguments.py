@@ -234,11 +234,24 @@ def _entry(annotation: Any, function: Callable[..., Any]) -> _Argument:
     return _Argument(tuple(_forms(annotation, function)), inspect.Parameter.empty)
 
 
+def _resolve_alias(annotation: Any) -> Any:
+    """Return what an alias of the statement `type` stands for: numpy 2.5 makes NDArray one."""
+    origin = get_origin(annotation)
+    if hasattr(origin, "__value__"):
+        return _resolve_alias(origin.__value__[get_args(annotation)])
+    if hasattr(annotation, "__value__"):
+        return _resolve_alias(annotation.__value__)
+    return annotation
+
+
+ARRAY_LIKE = _resolve_alias(ArrayLike)
+
+
 def _forms(annotation: Any, function: Callable[..., Any]) -> list[_Form]:
     """Return the kinds of values that an annotation allows."""
-    annotation = _evaluated(annotation, function)
+    annotation = _resolve_alias(_evaluated(annotation, function))
     origin, inner = get_origin(annotation), get_args(annotation)
-    if annotation is ArrayLike:
+    if annotation is ARRAY_LIKE:
         return [NUMBERS]
     if origin is np.ndarray:
         return [SEVERAL_NUMBERS]

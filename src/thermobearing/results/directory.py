@@ -29,6 +29,10 @@ except ImportError:  # Windows: two runs with the same target are not distinguis
     fcntl = None  # type: ignore[assignment]
 # Writers of results lock a folder for milliseconds, a study while it runs.
 PATIENCE, POLL = 2.0, 0.05  # [s]
+# Bytes that writing takes at least, netCDF and figures; HDF5, libpng and Pillow may crash where
+# they get none in the middle of their work.
+WRITING = 288 << 20
+RESERVE = 4 << 20  # bytes that removing files takes at most: four arenas of Python's allocator
 AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
 
@@ -68,11 +72,12 @@ def _try_lock(handle: int, operation: int) -> bool:
 
 @contextmanager
 def new_sibling(final: Path) -> Iterator[Path]:
-    """Yield an empty hidden directory next to `final`; remove what killed runs left there.
+    """Yield an empty hidden directory next to `final`; remove it afterwards, unless it was moved.
 
-    A folder that another process keeps to itself (a running study) is written into as well, so
-    that no result is lost; nothing is then removed from it.
+    What killed runs left there is removed too. A folder that another process keeps to itself (a
+    running study) is written into as well, so that no result is lost; nothing is then removed.
     """
+    bytearray(WRITING)  # raises MemoryError before anything is written
     partial = final.parent / f"{_hidden_prefixes(final)[0]}{secrets.token_hex(4)}"
     with ExitStack() as locks:
         # Locked before the parent is free again: else another run would take it for a leftover.
@@ -81,7 +86,13 @@ def new_sibling(final: Path) -> Iterator[Path]:
                 _clean(final)
             partial.mkdir()
             locks.enter_context(locked(partial))
-        yield partial
+        reserve = bytearray(RESERVE)
+        try:
+            yield partial
+        finally:  # incomplete, or what was replaced
+            # Removing files needs some memory, and its absence may be why they are removed.
+            del reserve
+            shutil.rmtree(partial, ignore_errors=True)
 
 
 def _clean(final: Path) -> None:
@@ -291,13 +302,10 @@ def write_directory(
     try:
         final.parent.mkdir(parents=True, exist_ok=True)
         with new_sibling(final) as partial:
-            try:
-                fill(partial)
-                if (partial / DATASET).exists():
-                    seal(partial / DATASET)
-                _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
-            finally:  # incomplete, or the replaced result
-                shutil.rmtree(partial, ignore_errors=True)
+            fill(partial)
+            if (partial / DATASET).exists():
+                seal(partial / DATASET)
+            _put_in_place(partial, final, lambda: check_target(directory, overwrite=overwrite))
     except (OSError, RuntimeError) as error:  # netCDF raises either for a failing disk
         cause = getattr(error, "strerror", None) or error
         raise OutputError(f"{directory}: cannot be written: {cause}") from error
