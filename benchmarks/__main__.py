@@ -21,6 +21,7 @@ ITEMS = {
     "numpy_stepper": "Speed",
     "opensees": "Speed",
     "structure": "Speed",
+    "axial_forces": "Speed",
     "whole_bridge": "Speed",
     "study": "Studies",
     "lockstep": "Speed",

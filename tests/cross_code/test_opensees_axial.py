@@ -97,7 +97,7 @@ def compression_of(bearing: LeadRubber) -> float:
     """c of all layers [mm3/kN]."""
     rubber = bearing.layers * bearing.thickness
     column = bearing.constants()[1][0]
-    return float(layer_compression.py_func(column, bearing.modulus) * rubber)
+    return float(layer_compression.py_func(column, 1.0 / bearing.modulus) * rubber)
 
 
 @pytest.mark.parametrize("offset", [0.0, 150.0, 420.0])

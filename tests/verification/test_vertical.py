@@ -43,9 +43,10 @@ def _system(joint):
     sections, supports = rows(Section, 1), rows(Support, 4)
     section = sections[0]
     section.first, section.last, section.moves, section.dowelled = 0, 4, 1, int(joint == "dowelled")
-    section.scale, section.weight = 1.0, 4.0 * DEAD
-    section.compression, section.shear = compression, shear
+    section.scale, section.weight, section.span = 1.0, 4.0 * DEAD, (PLACES**2).sum()
+    section.compression, section.shear, section.overlap = compression, shear, 1.0
     section.softest = LINEAR if joint == "linear" else softest
+    vertical.set_law.py_func(section, column[0])
     section.shortening = DEAD / STIFFNESS
     for i, place in enumerate(PLACES):
         supports[i].place, supports[i].axial_force, supports[i].memory = place, DEAD, 1.0
@@ -102,11 +103,11 @@ def test_a_specimen_at_a_scale_has_the_law_of_the_bearing():
         )
         lead = LEAD.model_copy(update={"diameter": 140 * scale})
         column, section = build_column(geometry, lead)[0], rows(Section, 1)[0]
-        sums = layer_sums(column, [0.45e-3], [22])
-        section.compression, section.shear, section.softest = sums
-        section.scale, section.x = scale, 200.0 * scale
+        section.compression, section.shear, section.softest = layer_sums(column, [0.45e-3], [22])
+        section.scale, section.x, section.overlap = scale, 200.0 * scale, 1.0
+        vertical.set_law.py_func(section, column)
         limit = vertical.critical_load_at.py_func(section, column, section.x, 0.0)
-        laws.append((*vertical.vertical_law.py_func(column, section), limit))
+        laws.append((section.stiffness, section.strength, limit))
     assert laws[1] == pytest.approx(laws[0], rel=1e-12)
 
 

@@ -59,9 +59,9 @@ def overlap_share(column: Column, x: float, y: float) -> float:
 
 
 @compiled
-def layer_compression(column: Column, modulus: float) -> float:
-    """1/E_c of a layer [mm2/kN] by its shear modulus [GPa]."""
-    return 1.0 / (column.modulus_ratio * modulus) + column.volumetric
+def layer_compression(column: Column, flexibility: float) -> float:
+    """1/E_c of a layer [mm2/kN] by 1/G [1/GPa]."""
+    return flexibility / column.modulus_ratio + column.volumetric
 
 
 @compiled
@@ -72,18 +72,17 @@ def compliance(
 
     These are c [mm3/kN], the same in shear, sum t_r/G [mm3/kN], and the smallest G [GPa].
     """
-    compression, shear, softest, layers = 0.0, 0.0, math.inf, 0.0
-    per_stiffness = column.layer_thickness / column.area
+    flexibility, largest, layers = 0.0, 0.0, 0.0
+    per_modulus = column.area / column.layer_thickness
     for j in range(len(multiplicity)):
-        modulus = (elastic[j] + column.secant * hysteretic[j]) * per_stiffness
-        count = multiplicity[j]
-        compression += count * layer_compression(column, modulus)
-        shear += count / modulus
-        softest = min(softest, modulus)
-        layers += count
-    # Models with one cell have one layer for all.
-    thickness = column.layer_thickness * column.layer_count / layers
-    return compression * thickness, shear * thickness, softest
+        of_layer = per_modulus / (elastic[j] + column.secant * hysteretic[j])  # 1/G
+        flexibility += multiplicity[j] * of_layer
+        largest = max(largest, of_layer)
+        layers += multiplicity[j]
+    # 1/E_c is linear in 1/G, so that its mean is that of the mean. Models with one cell have one
+    # layer for all.
+    mean, rubber = flexibility / layers, column.layer_thickness * column.layer_count
+    return layer_compression(column, mean) * rubber, mean * rubber, 1.0 / largest
 
 
 @compiled

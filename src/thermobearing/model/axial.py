@@ -171,7 +171,7 @@ def compression_modulus(
     modulus K (data/materials/vertical.toml). A single lead core in the centre of a round plan is no
     part of the layer; other cores count as rubber.
     """
-    return 1.0 / _in_python(layer_compression)(build_column(geometry, lead)[0], shear_modulus)
+    return 1.0 / _in_python(layer_compression)(build_column(geometry, lead)[0], 1.0 / shear_modulus)
 
 
 def axial_stiffness(
@@ -200,7 +200,7 @@ def critical_load(geometry: Geometry, shear_modulus: float, lead: LeadCores | No
     True
     """
     column, rubber = build_column(geometry, lead)[0], geometry.total_rubber_thickness
-    compression = rubber * _in_python(layer_compression)(column, shear_modulus)
+    compression = rubber * _in_python(layer_compression)(column, 1.0 / shear_modulus)
     return float(_in_python(buckling_load)(column, compression, rubber / shear_modulus))
 
 

@@ -286,6 +286,9 @@ def _fill_section(
     section.largest_offset = 0.5 * column.layer_thickness * column.layer_count
     places = load.places - load.places.mean()
     section.dead_moment = section.moment = (load.dead_loads * places).sum()
+    section.span = (places * places).sum()
+    section.offset, section.offset_moment = section.weight / stiffness, section.moment / stiffness
+    section.overlap = 1.0  # without displacement
     for i, (force, place) in enumerate(zip(load.dead_loads, places, strict=True)):
         support = supports[i]
         support.place, support.memory = place, 1.0

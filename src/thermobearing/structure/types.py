@@ -157,12 +157,21 @@ class Section:
     damping: float  # of vertical motion [kN s/mm]
     height: float  # of the inertia above mid-height of the bearings [mm]
     dowel_length: float  # [mm]; 0: not stated
+    span: float  # sum of the squares of the places of its bearings [mm2]
+    offset: float  # sum of the shortenings under the dead loads [mm]
+    offset_moment: float  # the same times the places [mm2]
     largest_offset: float  # |x| beyond which a falling force is an instability [mm]
     compression: float  # c of the modelled bearing, at the start of the step [mm3/kN]
     shear: float  # sum t_r/G [mm3/kN]
     softest: float  # smallest G of a layer [GPa]
+    stiffness: float  # of a bearing in compression, at the start of the step [kN/mm]
+    strength: float  # cavitation force F_c of a bearing, at the start of the step [kN]
+    buckling: float  # critical load of a bearing without displacement, at the same time [kN]
     x: float  # of the modelled bearing, at the start of the step [mm]
     y: float
+    overlap: float  # that the critical load counts, at `overlap_x` and `overlap_y`
+    overlap_x: float  # of the modelled bearing [mm]
+    overlap_y: float
     taken_x: float  # force that axial forces took from the line at the end of the last step [kN]
     taken_y: float
     clock: float  # [s]

@@ -57,9 +57,10 @@ def begin_section(
         along_x(state.response[0].displacement),
         across(state.response[0].displacement),
     )
+    set_law(section, column)
     overlap = 1.0
     if column.by_overlap == 1:
-        overlap = counted_overlap(column, section.x, section.y)
+        overlap = find_overlap(section, column, section.x, section.y)
     set_reduction(section, column, line, sections.supports, overlap)
 
 
@@ -79,56 +80,53 @@ def set_reduction(
 
 
 @compiled
-def vertical_law(column: Column, section: Section) -> tuple[float, float]:
-    """Stiffness in compression [kN/mm] and cavitation force [kN] of a bearing in a step.
+def set_law(section: Section, column: Column) -> None:
+    """Set what a bearing has under axial forces in a step, by the sums over its layers."""
+    # The law of the modelled bearing, whose lengths are `scale` of those of the structure.
+    s, compression = section.scale, section.compression
+    section.stiffness = vertical_stiffness(column, compression, section.x, section.y) / s
+    section.strength = column.cavitation * section.softest * column.area / (s * s)
+    section.buckling = buckling_load(column, compression, section.shear) / (s * s)
 
-    Both have the displacement and the temperatures of the start of the step.
-    """
-    s = section.scale
-    stiffness = vertical_stiffness(column, section.compression, section.x, section.y) / s
-    return stiffness, column.cavitation * section.softest * column.area / (s * s)
+
+@compiled
+def find_overlap(section: Section, column: Column, x: float, y: float) -> float:
+    """Overlap that the critical load counts, at a displacement of the modelled bearing [mm]."""
+    # The end of a step is the start of the next one, and an overlap takes two roots and an arc.
+    if any_lane((section.overlap_x != x) | (section.overlap_y != y)):
+        section.overlap = counted_overlap(column, x, y)
+        section.overlap_x, section.overlap_y = x, y
+    return section.overlap
 
 
 @compiled
 def bearing_force(
-    column: Column,
-    section: Section,
-    shortening: float,
-    stiffness: float,
-    strength: float,
-    memory: float,
+    column: Column, section: Section, shortening: float, memory: float
 ) -> tuple[float, float]:
-    """Axial force [kN] and tangent [kN/mm] of a bearing of a section."""
+    """Axial force [kN] and tangent [kN/mm] of a bearing of a section.
+
+    Stiffness and strength have the displacement and the temperatures of the start of the step.
+    """
+    stiffness = section.stiffness
     if section.dowelled == 1:
         lifted = shortening < 0.0
         return select(lifted, 0.0, stiffness * shortening), select(lifted, 0.0, stiffness)
-    # The law of the modelled bearing, whose lengths are `scale` of those of the structure.
-    s = section.scale
+    # Of the modelled bearing, as in `set_law`.
+    s, strength = section.scale, section.strength
     pulled, slope = tension(column, -s * shortening, s * stiffness, s * s * strength, memory)
     return -pulled / (s * s), slope / s
 
 
 @compiled
 def section_forces(
-    column: Column,
-    section: Section,
-    supports: Rows[Support],
-    stiffness: float,
-    strength: float,
-    shortening: float,
-    roll: float,
+    column: Column, section: Section, supports: Rows[Support], shortening: float, roll: float
 ) -> tuple[float, float, float, float, float]:
     """Sum of axial forces, their moment, and the tangent (three numbers) of a section."""
     force, moment, by_v, by_both, by_roll = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(section.first, section.last):
         place = supports[i].place
         pressed, tangent = bearing_force(
-            column,
-            section,
-            supports[i].offset + shortening + roll * place,
-            stiffness,
-            strength,
-            supports[i].memory,
+            column, section, supports[i].offset + shortening + roll * place, supports[i].memory
         )
         force += pressed
         moment += pressed * place
@@ -143,61 +141,64 @@ def solve_section(
     column: Column,
     section: Section,
     supports: Rows[Support],
-    stiffness: float,
-    strength: float,
     moment: float,
     ground: float,
     dt: float,
 ) -> tuple[float, float, float, bool]:
     """Equilibrium of a section at the end of a step of `dt`.
 
-    Returns the shortening [mm], the roll [rad], the iterations, and whether it was found. Its
-    potential is convex; a correction that passes its minimum along the line is halved.
+    Returns the shortening [mm], the roll [rad], the iterations, and whether it was found. Bearings
+    that are all in compression are linear. Otherwise the potential is convex, and a correction that
+    passes its minimum along the line is halved.
     """
-    count, span = section.last - section.first, 0.0
-    for i in range(section.first, section.last):
-        span += supports[i].place * supports[i].place
+    count, span, stiffness = section.last - section.first, section.span, section.stiffness
     by_a, by_v = 4.0 / (dt * dt), 2.0 / dt
     inertia = section.mass * by_a + section.damping * by_v
     # m v'' + c v' of the end is `inertia` v less what the start of the step gives.
     start_a = by_a * (section.shortening + dt * section.velocity) + section.acceleration
     start_v = by_v * section.shortening + section.velocity
     load = section.weight + section.mass * (ground + start_a) + section.damping * start_v
+    rolls = span > 0.0
+    divisor = select(rolls, stiffness * span, 1.0)
+    v = (load - stiffness * section.offset) / (stiffness * count + inertia)
+    roll = select(rolls, (moment - stiffness * section.offset_moment) / divisor, 0.0)
+    least = v * 0.0
+    for i in range(section.first, section.last):
+        least = min(least, supports[i].offset + v + roll * supports[i].place)
+    balanced, iterations = least >= 0.0, 0.0
+    if all_lanes(balanced):
+        return v, roll, iterations, balanced
+    v = select(balanced, v, section.shortening)
+    roll = select(balanced, roll, section.roll)
     floor = FLOATING * stiffness
-    v, roll = section.shortening, section.roll
-    p, m, k, kr, krr = section_forces(column, section, supports, stiffness, strength, v, roll)
+    p, m, k, kr, krr = section_forces(column, section, supports, v, roll)
     force, turn = p + inertia * v - load, m - moment
     arm = (span / count) ** 0.5
     limit = TOLERANCE * (section.weight + abs(moment) / select(arm > 0.0, arm, 1.0))
-    iterations = 0.0
-    balanced = (abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0))
+    balanced = balanced | ((abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0)))
     for _ in range(MOST_ITERATIONS):
         if all_lanes(balanced):
             break
         iterations += select(balanced, 0.0, 1.0)
         a11, a12 = k + inertia + floor * count, kr
         a22 = krr + floor * span
-        a22 = select(span > 0.0, a22, 1.0)
+        a22 = select(rolls, a22, 1.0)
         determinant = a11 * a22 - a12 * a12
         dv = -(a22 * force - a12 * turn) / determinant
-        droll = select(span > 0.0, -(a11 * turn - a12 * force) / determinant, 0.0)
+        droll = select(rolls, -(a11 * turn - a12 * force) / determinant, 0.0)
         slope = force * dv + turn * droll
         part, settled = 1.0, balanced
         for _ in range(MOST_HALVINGS):
             next_v = v + part * dv
             next_roll = roll + part * droll
-            p, m, k, kr, krr = section_forces(
-                column, section, supports, stiffness, strength, next_v, next_roll
-            )
-            next_force, next_turn = p + inertia * next_v - load, m - moment
-            settled = settled | (next_force * dv + next_turn * droll <= -ENOUGH * slope)
+            p, m, k, kr, krr = section_forces(column, section, supports, next_v, next_roll)
+            force, turn = p + inertia * next_v - load, m - moment
+            settled = settled | (force * dv + turn * droll <= -ENOUGH * slope)
             if all_lanes(settled):
                 break
             part = select(settled, part, 0.5 * part)
         v = select(balanced, v, v + part * dv)
         roll = select(balanced, roll, roll + part * droll)
-        p, m, k, kr, krr = section_forces(column, section, supports, stiffness, strength, v, roll)
-        force, turn = p + inertia * v - load, m - moment
         balanced = balanced | ((abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0)))
     return v, roll, iterations, balanced
 
@@ -208,10 +209,7 @@ def commit_section(system: System, a: int, moment: float, ground: float, dt: flo
     sections = system.sections
     section, column, energies = sections.sections[a], sections.columns[a], sections.energies[a]
     supports = sections.supports
-    stiffness, strength = vertical_law(column, section)
-    v, roll, iterations, balanced = solve_section(
-        column, section, supports, stiffness, strength, moment, ground, dt
-    )
+    v, roll, iterations, balanced = solve_section(column, section, supports, moment, ground, dt)
     dv = v - section.shortening
     mean_ground = 0.5 * (ground + section.ground)
     energies.weight += section.weight * dv
@@ -222,14 +220,15 @@ def commit_section(system: System, a: int, moment: float, ground: float, dt: flo
     energies.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * dv
     energies.vertical_kinetic = 0.5 * section.mass * velocity * velocity
     energies.iterations += iterations
+    relative = section.stiffness / section.strength  # of cavitation
     for i in range(section.first, section.last):
         support = supports[i]
         shortening = support.offset + v + roll * support.place
-        force, _ = bearing_force(column, section, shortening, stiffness, strength, support.memory)
+        force, _ = bearing_force(column, section, shortening, support.memory)
         moved = shortening - support.shortening
         energies.axial_work += 0.5 * (force + support.axial_force) * moved
         support.axial_force, support.shortening = force, shortening
-        support.memory = max(support.memory, -shortening * stiffness / strength)
+        support.memory = max(support.memory, -shortening * relative)
     section.shortening, section.roll = v, roll
     section.velocity, section.acceleration = velocity, acceleration
     section.moment, section.ground = moment, ground
@@ -241,15 +240,16 @@ def note_section(system: System, a: int, x: float, y: float, dt: float, falling:
     """Update the peaks of a section at the end of a step; x, y of the modelled bearing [mm]."""
     sections = system.sections
     section, column, peak = sections.sections[a], sections.columns[a], sections.peaks[a]
-    limit = critical_load_at(section, column, x, y)
-    stiffness, strength = vertical_law(column, section)
+    limit, strength = critical_load_at(section, column, x, y), section.strength
+    per_limit, per_strength = 1.0 / limit, 1.0 / strength
+    relative = section.stiffness * per_strength
     line_force, any_above = 0.0, limit < 0.0
     for i in range(section.first, section.last):
         support = sections.supports[i]
         force = support.axial_force
         number = float(i - section.first)
         line_force += force
-        share = force / limit
+        share = force * per_limit
         any_above = any_above | (share > 1.0)
         larger = share > peak.share
         peak.share = select(larger, share, peak.share)
@@ -265,7 +265,7 @@ def note_section(system: System, a: int, x: float, y: float, dt: float, falling:
         peak.least_time = select(smaller, section.clock, peak.least_time)
         support.largest = max(support.largest, force)
         support.least = min(support.least, force)
-        pulled = -force / strength
+        pulled = -force * per_strength
         if section.dowelled == 1:
             pulled = 0.0 * force
             peak.uplift = max(peak.uplift, -support.shortening)
@@ -275,12 +275,13 @@ def note_section(system: System, a: int, x: float, y: float, dt: float, falling:
                 peak.damage = max(peak.damage, 1.0 - weakened / strength)
             # The virgin curve rises beyond F_c, so that the extension says whether it cavitates.
             pulled = max(
-                pulled, select(pulled > 0.0, -support.shortening * stiffness / strength, 0.0)
+                pulled, select(pulled > 0.0, -support.shortening * relative, 0.0)
             )
         more = pulled > peak.tension
         peak.tension = select(more, pulled, peak.tension)
         peak.tension_time = select(more, section.clock, peak.tension_time)
-    peak.line_share = max(peak.line_share, line_force / (limit * (section.last - section.first)))
+    count = section.last - section.first
+    peak.line_share = max(peak.line_share, line_force * per_limit / count)
     peak.exceeded += select(any_above, dt, 0.0)
     begins = any_above & (peak.first < 0.0)
     peak.first = select(begins, section.clock, peak.first)
@@ -290,9 +291,7 @@ def note_section(system: System, a: int, x: float, y: float, dt: float, falling:
 @compiled
 def critical_load_at(section: Section, column: Column, x: float, y: float) -> float:
     """Critical load of one bearing of a section at a displacement of the modelled one [kN]."""
-    s = section.scale
-    load = buckling_load(column, section.compression, section.shear)
-    return load * counted_overlap(column, x, y) / (s * s)
+    return section.buckling * find_overlap(section, column, x, y)
 
 
 @compiled
