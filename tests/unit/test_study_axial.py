@@ -4,8 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import thermobearing as tb
+from tests import tolerances as tol
 from tests.verification.test_vertical import TABLE
 from thermobearing.earthquake.axial import AXIAL_COLUMNS
 from thermobearing.studies.definition.case import make_study
@@ -69,6 +71,30 @@ def test_an_unstable_run_exceeds_every_demand() -> None:
         assert np.isinf(counted(runs, demand).demand).tolist() == [False, True] * 2
     (row,) = count_failures(runs).to_dict("records")
     assert "unstable" in row.values()
+
+
+@pytest.mark.parametrize(
+    ("level", "axial", "outcomes"),
+    [
+        ("vertical", {"dead_load": "500 kN", "joint": "dowelled"}, {"completed", "unstable"}),
+        ("vertical", {"dead_load": "500 kN"}, {"completed", "cavitated"}),
+        ("overturning", {"dead_load": "10500 kN"}, {"completed", "unstable"}),
+    ],
+)
+def test_runs_in_lockstep_are_those_one_by_one(
+    level: str, axial: dict[str, str], outcomes: set[str]
+) -> None:
+    scales = [0.05, *np.linspace(0.25, 2.0, 8).tolist()]  # 18 runs, more than lanes
+    table = _study(level=level, scales=scales, **axial)
+    alone = _runs(table | {"design": {"kind": "factorial", "lockstep": False}})
+    together = _runs(table | {"design": {"kind": "factorial", "lockstep": True}})
+    assert set(alone["outcome"]) == outcomes
+    assert alone["outcome"].tolist() == together["outcome"].tolist()
+    good = alone["outcome"] != "unstable"  # beyond, rounding grows
+    for name in (*AXIAL_COLUMNS, "bearing_displacement_max_mm", "pier_moment_max_kN_m"):
+        assert_allclose(
+            together[name][good], alone[name][good], tol.LANE_PEAK, tol.LANE_PEAK, err_msg=name
+        )
 
 
 def test_columns_of_a_study_without_axial_forces() -> None:

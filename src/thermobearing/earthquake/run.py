@@ -70,6 +70,7 @@ from thermobearing.structure.model import (
     list_hinges,
 )
 from thermobearing.structure.run import (
+    AxialHistory,
     Line,
     Prepared,
     StructureHistory,
@@ -248,7 +249,7 @@ def run_task(task: Task) -> StructureHistory:
         keep_cells="cells" in case.analysis.keep,
         vertical=shaking.vertical,
     )
-    if history.outcome not in NOT_OF_INSTABILITY and is_unstable(history.axial):
+    if ended_unstable(history.outcome, history.axial):
         return replace(history, outcome=UNSTABLE)
     # Instruments were zeroed after an earlier test, where the bearing kept a displacement.
     if case.initial_state is not None and case.initial_state.zero:
@@ -266,6 +267,11 @@ def run_task(task: Task) -> StructureHistory:
     top_displacements = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
     outcome = find_outcome(task, displacements, rotations, top_displacements)
     return replace(history, outcome=with_axial_outcome(outcome, history.axial))
+
+
+def ended_unstable(outcome: str, axial: AxialHistory | None) -> bool:
+    """Return whether a run, which ended early or not, is one that became unstable."""
+    return outcome not in NOT_OF_INSTABILITY and is_unstable(axial)
 
 
 def lines_to_shake(task: Task) -> list[Line]:

@@ -41,10 +41,13 @@ from thermobearing.structure.run import (
     ITERATIONS,
     OUTCOMES,
     TOLERANCE,
+    AxialHistory,
     Line,
     Method,
     Prepared,
     all_physical,
+    axial_history,
+    build_sections,
     build_system,
     new_motion,
     room_for,
@@ -71,6 +74,8 @@ class Run:
     places: Floats | None = None
     carried: Floats | None = None
     method: Method = "average-acceleration"  # of Newmark
+    # [steps + 1] ground acceleration upwards [mm/s2], for lines with axial forces; None: none.
+    vertical: Floats | None = None
 
 
 class RunPeaks(NamedTuple):
@@ -87,6 +92,7 @@ class RunPeaks(NamedTuple):
     bearings: Rows[BearingResponse]  # [b] of the modelled bearing of each line, at the end
     alone: bool  # whether it was run alone
     devices: Rows[types.DevicePeak]  # [d]
+    axial: AxialHistory | None  # with the row of the start only; None where none act
 
 
 def _no_rows(system: types.System, bearings: Bearings) -> types.MotionRows:
@@ -141,6 +147,11 @@ def _modelled_responses(bearings: Bearings, lines: int) -> Rows[BearingResponse]
     return response
 
 
+def _build_sections(run: Run, rows_kept: int = 0) -> types.Sections:
+    """Return the axial forces of a run at its start."""
+    return build_sections(run.prepared.structure, run.lines, rows_kept, run.vertical)
+
+
 def _build_scheme(run: Run, halvings: int) -> types.Scheme:
     return types.Scheme(BETA[run.method], GAMMA, TOLERANCE, ITERATIONS, halvings)
 
@@ -150,6 +161,7 @@ def _collect_peaks(
     energies: Any,
     peaks: Sequence[Any],
     device_peaks: Any,
+    axial: AxialHistory | None,
     stored: Floats,
     steps: int,
     outcome: int,
@@ -171,6 +183,7 @@ def _collect_peaks(
         bearings=_modelled_responses(bearings, len(stored)),
         alone=True,
         devices=device_peaks,
+        axial=axial,
     )
 
 
@@ -198,6 +211,7 @@ def run_peaks(run: Run) -> RunPeaks:
 def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
     """Return the peaks of a run, and its state after `kept` steps (0: none) as a row."""
     system = build_system(run.prepared, run.lines)
+    system = system._replace(sections=_build_sections(run, min(kept, 1)))
     bearings = build_bearings(*start_arguments(run.prepared, run.lines))
     motion, peaks = new_motion(system), _empty_peaks(run, system)
     air = np.full(len(run.ground) - 1, run.ambient)
@@ -214,6 +228,7 @@ def _marched(run: Run, kept: int) -> tuple[RunPeaks, types.MotionRows]:
         motion.energies,
         peaks[2:],
         motion.device_peaks,
+        axial_history(system.sections, 0),
         stored,
         int(steps),
         int(outcome),
@@ -277,7 +292,18 @@ def _likeness(run: Run) -> Any:
         (device.kind, len(device.oil()[0])) for device in run.prepared.structure.device_list
     )
     hinges = len(matrices.hinge_rows)
-    return sizes, hinges, devices, watched, run.dt, run.method, moving, *kinds
+    pressed = run.vertical is not None, *(_axial_shape(line) for line in run.lines)
+    return sizes, hinges, devices, watched, run.dt, run.method, moving, pressed, *kinds
+
+
+def _axial_shape(line: Line) -> Any:
+    """Return what lines in one lockstep have in common of their axial forces."""
+    load = line.pressed
+    if load is None:
+        return None
+    column = load.columns[0]
+    choices = load.moves, load.overturns, load.dowelled, column.circular, column.by_overlap
+    return len(load.dead_loads), *map(int, choices)
 
 
 def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
@@ -319,6 +345,21 @@ def _scratch(kind: Kind) -> tuple[Workspace, Floats, Floats]:
     return new_workspace(constants, components), elastic, hysteretic
 
 
+def _each_axial(
+    joined: types.Sections, starts: Sequence[types.Sections]
+) -> list[AxialHistory | None]:
+    """Return the axial forces of each run in lockstep, from lanes at the end and from its start."""
+    if not len(starts[0].sections):
+        return [None] * len(starts)
+    ended = joined.peaks, joined.energies, joined.supports
+    start = starts[0]
+    rows_of_runs = each_lane(ended, (start.peaks, start.energies, start.supports))
+    return [
+        axial_history(sections._replace(peaks=peaks, energies=energies, supports=supports), kept=0)
+        for sections, (peaks, energies, supports) in zip(starts, rows_of_runs, strict=True)
+    ]
+
+
 class Lockstep:
     """Runs of one shape in lockstep, WIDTH at a time; inputs that they share are stored."""
 
@@ -344,8 +385,13 @@ class Lockstep:
         bearings = self._bearings(filled, starts, work)
         outcomes = aligned((1, WIDTH), np.float64)
         march = lanes_march if runs[0].ground.ndim == 1 else plane_lanes_march
+        system = self._once([self._system(run) for run in filled])
+        sections = [_build_sections(run) for run in filled]
+        if len(sections[0].sections):
+            # They move and have memories: none of another group of runs, and not shared.
+            system = system._replace(sections=side_by_side(sections))
         steps = march(
-            self._once([self._system(run) for run in filled]),
+            system,
             bearings,
             motion,
             _build_scheme(filled[0], 0),
@@ -358,8 +404,9 @@ class Lockstep:
         records = states, motion.energies, peaks[2:], motion.device_peaks
         like = starts[0], self.motion.energies, self.peaks[2:], self.motion.device_peaks
         run_records = each_lane(records, like)
+        axial = _each_axial(system.sections, sections)
         return [
-            self._peaks(run, starts[lane], *run_records[lane], int(steps))
+            self._peaks(run, starts[lane], *run_records[lane], axial[lane], int(steps))
             if outcomes[0, lane] == COMPLETED
             else run_peaks(run)
             for lane, run in enumerate(runs)
@@ -410,6 +457,7 @@ class Lockstep:
         energies: Any,
         noted_peaks: Any,
         device_peaks: Any,
+        axial: AxialHistory | None,
         steps: int,
     ) -> RunPeaks:
         ended = tuple(
@@ -418,5 +466,7 @@ class Lockstep:
         )
         lines = [kind.lines for kind in self.bearings]
         stored = _stored_in(list(zip(lines, start, strict=True)), len(run.lines))
-        peaks = _collect_peaks(ended, energies, noted_peaks, device_peaks, stored, steps, COMPLETED)
+        peaks = _collect_peaks(
+            ended, energies, noted_peaks, device_peaks, axial, stored, steps, COMPLETED
+        )
         return peaks._replace(alone=False)

@@ -671,12 +671,12 @@ def run_structure(
         steps=int(steps_done),
         iterations=int(energies.iterations),
         substeps=int(energies.substeps),
-        axial=_axial_history(sections, kept),
+        axial=axial_history(sections, kept),
         device_peaks=motion.device_peaks,
     )
 
 
-def _axial_history(sections: Sections, kept: int) -> AxialHistory | None:
+def axial_history(sections: Sections, kept: int) -> AxialHistory | None:
     """Return the axial forces of a run; None where they did not act."""
     if not len(sections.sections):
         return None

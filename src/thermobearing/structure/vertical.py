@@ -274,9 +274,7 @@ def note_section(system: System, a: int, x: float, y: float, dt: float, falling:
                 weakened = cavitated_strength(column, strength, support.memory)
                 peak.damage = max(peak.damage, 1.0 - weakened / strength)
             # The virgin curve rises beyond F_c, so that the extension says whether it cavitates.
-            pulled = max(
-                pulled, select(pulled > 0.0, -support.shortening * relative, 0.0)
-            )
+            pulled = max(pulled, select(pulled > 0.0, -support.shortening * relative, 0.0))
         more = pulled > peak.tension
         peak.tension = select(more, pulled, peak.tension)
         peak.tension_time = select(more, section.clock, peak.tension_time)

@@ -431,13 +431,7 @@ class Plan:
         """Whether runs are computed in lockstep, where all must share thermal properties."""
         case, requested = self.study.case, self.study.design.lockstep
         histories = self.study.keep.histories
-        if case.analysis.has_axial and requested is True:
-            raise InputError(
-                f'design.lockstep: runs in lockstep have no axial = "{case.analysis.axial}"; omit '
-                "it, so that runs are computed one by one"
-            )
         unsupported = case.analysis.method == "predictor-corrector" or histories == "all"
-        unsupported = unsupported or case.analysis.has_axial
         if unsupported or requested is False or self.varies_rest_temperature:
             return False
         drawn = [column for column in self.columns if column.drawn]

@@ -26,10 +26,16 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake import measures
-from thermobearing.earthquake.axial import AXIAL_COLUMNS, run_extremes
-from thermobearing.earthquake.run import Task, find_outcome, lines_to_shake, run_task
+from thermobearing.earthquake.axial import AXIAL_COLUMNS, run_extremes, with_axial_outcome
+from thermobearing.earthquake.run import (
+    Task,
+    ended_unstable,
+    find_outcome,
+    lines_to_shake,
+    run_task,
+)
 from thermobearing.laws import load_again, loaded_files
-from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES
+from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES, UNSTABLE
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.metrics import BALANCE
@@ -127,6 +133,7 @@ def _to_shake(task: Task) -> Run:
         places=np.array([*watched, task.prepared.deck]),
         carried=np.array([*[0.0, 1.0] * len(piers), 1.0]),  # the ground carries tops and deck
         method=task.case.analysis.method,
+        vertical=shaking.vertical,
     )
 
 
@@ -150,14 +157,15 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     measured = _measures_of_peaks(task, peaks)
     # The watches are those of `_to_shake`: each pier relative to its base, its top, then the deck.
     tops = peaks.watches["displacement"][:DECK:2].tolist()
-    if peaks.outcome == COMPLETED:
+    if ended_unstable(peaks.outcome, peaks.axial):
+        measured["outcome"] = UNSTABLE
+    elif peaks.outcome == COMPLETED:
         displacements = [line["displacement"] for line in _named(peaks.lines)]
-        measured["outcome"] = find_outcome(
-            task, displacements, peaks.hinges["rotation"].tolist(), tops
-        )
+        outcome = find_outcome(task, displacements, peaks.hinges["rotation"].tolist(), tops)
+        measured["outcome"] = with_axial_outcome(outcome, peaks.axial)
     devices = [line.device for line in task.lines]
     line_peaks = list(zip(_named(peaks.lines), devices, strict=True))
-    return _row(
+    row = _row(
         task,
         measured,
         end_displacements=peaks.bearings["displacement"],
@@ -168,6 +176,7 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         ),
         lead=(peak["lead_temperature"] for peak, device in line_peaks if device.has_lead),
     )
+    return row | run_extremes(peaks.axial)
 
 
 def _overall(value: Any) -> Any:
