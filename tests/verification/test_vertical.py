@@ -119,6 +119,67 @@ def test_a_section_that_overturns_has_no_equilibrium():
     assert np.isfinite(system.sections.supports["axial_force"]).all()
 
 
+def _rest(system):
+    """Let displacements begin from the dead loads, as in an analysis."""
+    section, supports = system.sections.sections[0], system.sections.supports
+    section.shortening = 0.0
+    section.offset = 4.0 * DEAD / section.stiffness
+    supports["offset"] = supports["shortening"] = DEAD / section.stiffness
+    return section
+
+
+def _oscillator(mass, damping, stiffness, load, dt):
+    """Displacements of one mass from rest, by the average acceleration."""
+    by_a, by_v = 4.0 / dt**2, 2.0 / dt
+    u, v, a = 0.0, 0.0, load[0] / mass
+    rows = [u]
+    for force in load[1:]:
+        start = mass * (by_a * (u + dt * v) + a) + damping * (by_v * u + v)
+        moved = (force + start) / (mass * by_a + damping * by_v + stiffness) - u
+        v, a = by_v * moved - v, by_a * (moved - dt * v) - a
+        u += moved
+        rows.append(u)
+    return np.array(rows)
+
+
+def test_spans_are_a_spring_in_series_with_the_bearings():
+    """The line moves by its share of an oscillator on both springs, whose mass is on the spans."""
+    system, dt, mass, damping, spans = _system("bolted"), 0.002, 0.6, 0.9, 4000.0
+    section = _rest(system)
+    section.mass, section.damping, section.span_stiffness = mass, damping, spans
+    ground = 1500.0 * np.sin(16.0 * np.pi * dt * np.arange(501))
+    bearings = 4.0 * section.stiffness
+    series = 1.0 / (1.0 / bearings + 1.0 / spans)
+    expected = _oscillator(mass, damping, series, mass * ground, dt)
+    rows = [(0.0, 0.0)]
+    for acceleration in ground[1:]:
+        assert vertical.commit_section.py_func(system, 0, 0.0, acceleration, dt)
+        rows.append((section.sunk, section.shortening))
+    sunk, shortening = np.array(rows).T
+    assert np.abs(sunk - expected).max() < 5e-10 * np.ptp(expected)
+    assert np.abs(shortening - series / bearings * expected).max() < 5e-10 * np.ptp(expected)
+    works = system.sections.energies[0]
+    taken = works.axial_work + works.vertical_damping + works.vertical_kinetic + works.span_stored
+    assert works.weight + works.vertical_input == pytest.approx(taken, rel=1e-10)
+
+
+def test_roll_with_an_inertia():
+    """An oscillator on the rotational stiffness of the bearings."""
+    system, dt, inertia = _system("bolted"), 0.002, 2e6
+    section = _rest(system)
+    section.roll_inertia = inertia
+    moment = 5e6 * np.sin(6.0 * np.pi * dt * np.arange(501))
+    expected = _oscillator(inertia, 0.0, section.stiffness * section.span, moment, dt)
+    rolls = [0.0]
+    for value in moment[1:]:
+        assert vertical.commit_section.py_func(system, 0, value, 0.0, dt)
+        rolls.append(section.roll)
+    assert np.abs(np.array(rolls) - expected).max() < 1e-9 * np.ptp(expected)
+    works = system.sections.energies[0]
+    taken = works.axial_work + works.vertical_kinetic
+    assert works.weight + works.overturning == pytest.approx(taken, rel=1e-9)
+
+
 def _bearing():
     """Bearing L of the case: K_el u beside a Bouc-Wen term of its lead, at any temperature."""
     constants = bilinear_constants(BilinearParameters(1.0, 1.0, 2.0))

@@ -69,6 +69,8 @@ def pressed_line(
         dowel_length=table.dowel_length or 0.0,
         mass=table.mass or float(loads.sum()) / GRAVITY,
         damping_ratio=table.damping_ratio,
+        span_stiffness=table.span_stiffness or 0.0,
+        roll_inertia=table.roll_inertia or 0.0,
     )
 
 
@@ -337,13 +339,20 @@ def _weight_message(case: EarthquakeCase) -> str:
 
 
 def _vertical_periods(axial: AxialHistory) -> list[float]:
-    """Return the period of the vertical motion on the bearings of each line, at the start [s]."""
+    """Return the shorter period of vertical motion and roll of each line, at the start [s]."""
     periods = []
     for a in range(len(axial.lines)):
         section = axial.sections[a]
         bearings = slice(int(section.first), int(section.last))
-        stiffness = float((axial.force[0, bearings] / axial.supports["offset"][bearings]).sum())
-        periods.append(2.0 * math.pi * math.sqrt(float(section.mass) / stiffness))
+        stiffness = axial.force[0, bearings] / axial.supports["offset"][bearings]
+        of_line, span = float(stiffness.sum()), float(section.span_stiffness)
+        if span > 0.0:
+            of_line = 1.0 / (1.0 / of_line + 1.0 / span)
+        period = math.sqrt(float(section.mass) / of_line)
+        if section.roll_inertia > 0.0:
+            of_roll = float((stiffness * axial.supports["place"][bearings] ** 2).sum())
+            period = min(period, math.sqrt(float(section.roll_inertia) / of_roll))
+        periods.append(2.0 * math.pi * period)
     return periods
 
 

@@ -137,6 +137,10 @@ class AxialTable(Strict):
     dowel_length : uplift at which dowels come out [mm]; without it no uplift is a failure.
     mass : that moves vertically [kN s2/mm]; by default the dead loads over gravity.
     damping_ratio : of the vertical motion on the bearings, 0.03 by default (assumed).
+    span_stiffness : vertical, of the spans between the mass and the line [kN/mm]; by default the
+        deck is rigid.
+    roll_inertia : mass moment of inertia of the deck over the line about its axis along the bridge
+        [kN mm s2]; by default the roll is static.
     across : whether a structure that is not in plan is a transverse one, so that the shear of the
         line overturns the section; false by default.
     """
@@ -148,6 +152,8 @@ class AxialTable(Strict):
     dowel_length: Annotated[float, in_unit("mm"), Field(gt=0, le=1e5)] | None = None
     mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)] | None = None
     damping_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.03
+    span_stiffness: Stiffness | None = None
+    roll_inertia: Annotated[float, in_unit("kN mm s^2"), Field(gt=0, le=1e12)] | None = None
     across: bool | None = None
 
     @classmethod

@@ -112,6 +112,8 @@ class PressedLine:
     dowel_length: float = 0.0  # [mm]; 0: not stated
     mass: float = 0.0  # that moves vertically [kN s2/mm]
     damping_ratio: float = 0.0  # of the vertical motion
+    span_stiffness: float = 0.0  # of the deck between its mass and the line [kN/mm]; 0: rigid
+    roll_inertia: float = 0.0  # [kN mm s2]; 0: roll is static
 
 
 @dataclass(frozen=True)
@@ -280,6 +282,7 @@ def _fill_section(
     section.moves, section.overturns = int(load.moves), int(load.overturns)
     section.dowelled, section.dowel_length = int(load.dowelled), load.dowel_length
     section.weight, section.mass, section.height = load.dead_loads.sum(), load.mass, load.height
+    section.span_stiffness, section.roll_inertia = load.span_stiffness, load.roll_inertia
     line_stiffness = len(load.dead_loads) * stiffness
     section.damping = 2.0 * load.damping_ratio * np.sqrt(load.mass * line_stiffness)
     column = load.columns[0]

@@ -155,6 +155,8 @@ class Section:
     weight: float  # dead load of all bearings [kN]
     mass: float  # that moves vertically [kN s2/mm]; 0: none
     damping: float  # of vertical motion [kN s/mm]
+    span_stiffness: float  # of the deck between its mass and the line [kN/mm]; 0: rigid
+    roll_inertia: float  # of the section about its centre [kN mm s2]; 0: roll is static
     height: float  # of the inertia above mid-height of the bearings [mm]
     dowel_length: float  # [mm]; 0: not stated
     span: float  # sum of the squares of the places of its bearings [mm2]
@@ -176,9 +178,12 @@ class Section:
     taken_y: float
     clock: float  # [s]
     shortening: float  # v [mm]
-    velocity: float
+    sunk: float  # displacement of the mass, downwards [mm]; v on a rigid deck
+    velocity: float  # of the mass [mm/s]
     acceleration: float
     roll: float  # [rad]
+    roll_velocity: float  # [rad/s]
+    roll_acceleration: float
     dead_moment: float  # of the dead loads [kN mm]
     moment: float  # overturning moment, with that of the dead loads [kN mm]
     ground: float  # vertical ground acceleration, upwards [mm/s2]
@@ -193,7 +198,8 @@ class SectionEnergies:
     overturning: Annotated[float, "kN mm", "work of the overturning moment"]
     vertical_input: Annotated[float, "kN mm", "work of the vertical ground motion"]
     vertical_damping: Annotated[float, "kN mm", "work of damping of the vertical motion"]
-    vertical_kinetic: Annotated[float, "kN mm", "kinetic energy of the vertical motion"]
+    vertical_kinetic: Annotated[float, "kN mm", "kinetic energy of vertical motion and roll"]
+    span_stored: Annotated[float, "kN mm", "energy stored in the spans"]
     iterations: Annotated[float, "1", "iterations of the equilibrium of the section"]
 
 

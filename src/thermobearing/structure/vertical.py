@@ -2,12 +2,13 @@
 
 The section rests on bearings at places y_i, with shortenings v + theta y_i:
 
-    sum P_i + m (v'' - a) + c v' = W,     sum P_i y_i = F H + 1/2 sum P_i x
+    sum P_i + m (w'' - a) + c w' = W,     sum P_i y_i + J theta'' = F H + 1/2 sum P_i x
 
 (dead load W, vertical ground acceleration a upwards, shear F of the line at the height H of its
-inertia, sway x; y_i from their centre). It is solved after each horizontal step; what the axial
-forces take from the shear (`reduction`) is that of the start of the next one, so that it is a
-constant of the horizontal equations.
+inertia, sway x; y_i from their centre). The mass sinks by w = v on a rigid deck; the spans of a
+flexible one carry W + k (w - v), and w is eliminated. It is solved after each horizontal step; what
+the axial forces take from the shear (`reduction`) is that of the start of the next one, so that it
+is a constant of the horizontal equations.
 """
 
 from thermobearing.core.axial import (
@@ -141,25 +142,20 @@ def solve_section(
     column: Column,
     section: Section,
     supports: Rows[Support],
+    load: float,
     moment: float,
-    ground: float,
-    dt: float,
+    inertia: float,
+    roll_inertia: float,
 ) -> tuple[float, float, float, bool]:
-    """Equilibrium of a section at the end of a step of `dt`.
+    """Solve sum P_i + `inertia` v = `load`, sum P_i y_i + `roll_inertia` theta = `moment`.
 
     Returns the shortening [mm], the roll [rad], the iterations, and whether it was found. Bearings
     that are all in compression are linear. Otherwise the potential is convex, and a correction that
     passes its minimum along the line is halved.
     """
     count, span, stiffness = section.last - section.first, section.span, section.stiffness
-    by_a, by_v = 4.0 / (dt * dt), 2.0 / dt
-    inertia = section.mass * by_a + section.damping * by_v
-    # m v'' + c v' of the end is `inertia` v less what the start of the step gives.
-    start_a = by_a * (section.shortening + dt * section.velocity) + section.acceleration
-    start_v = by_v * section.shortening + section.velocity
-    load = section.weight + section.mass * (ground + start_a) + section.damping * start_v
     rolls = span > 0.0
-    divisor = select(rolls, stiffness * span, 1.0)
+    divisor = select(rolls, stiffness * span + roll_inertia, 1.0)
     v = (load - stiffness * section.offset) / (stiffness * count + inertia)
     roll = select(rolls, (moment - stiffness * section.offset_moment) / divisor, 0.0)
     least = v * 0.0
@@ -172,7 +168,7 @@ def solve_section(
     roll = select(balanced, roll, section.roll)
     floor = FLOATING * stiffness
     p, m, k, kr, krr = section_forces(column, section, supports, v, roll)
-    force, turn = p + inertia * v - load, m - moment
+    force, turn = p + inertia * v - load, m + roll_inertia * roll - moment
     arm = (span / count) ** 0.5
     limit = TOLERANCE * (section.weight + abs(moment) / select(arm > 0.0, arm, 1.0))
     balanced = balanced | ((abs(force) <= limit) & (abs(turn) <= limit * max(arm, 1.0)))
@@ -181,7 +177,7 @@ def solve_section(
             break
         iterations += select(balanced, 0.0, 1.0)
         a11, a12 = k + inertia + floor * count, kr
-        a22 = krr + floor * span
+        a22 = krr + roll_inertia + floor * span
         a22 = select(rolls, a22, 1.0)
         determinant = a11 * a22 - a12 * a12
         dv = -(a22 * force - a12 * turn) / determinant
@@ -192,7 +188,8 @@ def solve_section(
             next_v = v + part * dv
             next_roll = roll + part * droll
             p, m, k, kr, krr = section_forces(column, section, supports, next_v, next_roll)
-            force, turn = p + inertia * next_v - load, m - moment
+            force = p + inertia * next_v - load
+            turn = m + roll_inertia * next_roll - moment
             settled = settled | (force * dv + turn * droll <= -ENOUGH * slope)
             if all_lanes(settled):
                 break
@@ -209,16 +206,43 @@ def commit_section(system: System, a: int, moment: float, ground: float, dt: flo
     sections = system.sections
     section, column, energies = sections.sections[a], sections.columns[a], sections.energies[a]
     supports = sections.supports
-    v, roll, iterations, balanced = solve_section(column, section, supports, moment, ground, dt)
-    dv = v - section.shortening
+    by_a, by_v = 4.0 / (dt * dt), 2.0 / dt
+    # m w'' + c w' of the end is `inertia` w less what the start of the step gives.
+    inertia = section.mass * by_a + section.damping * by_v
+    start_a = by_a * (section.sunk + dt * section.velocity) + section.acceleration
+    start_v = by_v * section.sunk + section.velocity
+    moved_by = section.mass * (ground + start_a) + section.damping * start_v
+    # Spans in series with the mass: of its motion the line feels a share.
+    spring = section.span_stiffness
+    flexible = spring > 0.0
+    softened = select(flexible, inertia + spring, 1.0)
+    share = select(flexible, spring / softened, 1.0)
+    turned = by_a * (section.roll + dt * section.roll_velocity) + section.roll_acceleration
+    v, roll, iterations, balanced = solve_section(
+        column,
+        section,
+        supports,
+        section.weight + share * moved_by,
+        moment + section.roll_inertia * turned,
+        share * inertia,
+        section.roll_inertia * by_a,
+    )
+    sunk = select(flexible, (moved_by + spring * v) / softened, v)
+    dv, fall, droll = v - section.shortening, sunk - section.sunk, roll - section.roll
     mean_ground = 0.5 * (ground + section.ground)
     energies.weight += section.weight * dv
-    energies.overturning += 0.5 * (moment + section.moment) * (roll - section.roll)
-    energies.vertical_input += section.mass * mean_ground * dv
-    velocity = 2.0 / dt * dv - section.velocity
-    acceleration = 4.0 / (dt * dt) * (dv - dt * section.velocity) - section.acceleration
-    energies.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * dv
+    energies.overturning += 0.5 * (moment + section.moment) * droll
+    energies.vertical_input += section.mass * mean_ground * fall
+    velocity = by_v * fall - section.velocity
+    acceleration = by_a * (fall - dt * section.velocity) - section.acceleration
+    roll_velocity = by_v * droll - section.roll_velocity
+    section.roll_acceleration = (
+        by_a * (droll - dt * section.roll_velocity) - section.roll_acceleration
+    )
+    energies.vertical_damping += section.damping * 0.5 * (velocity + section.velocity) * fall
     energies.vertical_kinetic = 0.5 * section.mass * velocity * velocity
+    energies.vertical_kinetic += 0.5 * section.roll_inertia * roll_velocity * roll_velocity
+    energies.span_stored = 0.5 * spring * (sunk - v) * (sunk - v)
     energies.iterations += iterations
     relative = section.stiffness / section.strength  # of cavitation
     for i in range(section.first, section.last):
@@ -229,8 +253,9 @@ def commit_section(system: System, a: int, moment: float, ground: float, dt: flo
         energies.axial_work += 0.5 * (force + support.axial_force) * moved
         support.axial_force, support.shortening = force, shortening
         support.memory = max(support.memory, -shortening * relative)
-    section.shortening, section.roll = v, roll
+    section.shortening, section.roll, section.sunk = v, roll, sunk
     section.velocity, section.acceleration = velocity, acceleration
+    section.roll_velocity = roll_velocity
     section.moment, section.ground = moment, ground
     return balanced
 
