@@ -125,7 +125,9 @@ def model_assumptions(
     texts = assumption_texts()
     layered = [table for table in bearings if table.get("kind") != "bilinear"]
     names = [str(table["name"]) for table in bearings if table.get("kind") == "bilinear"]
-    sentences = [texts["plane" if plane else "shear"]]
+    direction, axial = "plane" if plane else "shear", analysis.get("axial") or "off"
+    acting = direction if axial == "off" else f"{direction}_axial"
+    sentences = [texts[acting].format(axial=axial)]
     if names:
         sentences.append(texts["bilinear"].format(names=", ".join(names)))
     if not layered:

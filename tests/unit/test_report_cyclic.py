@@ -115,6 +115,19 @@ def test_a_range_that_is_not_stated_is_neither_inside_nor_outside() -> None:
         assert any(NOT_GIVEN in text for text in warned)
 
 
+def test_reports_say_that_axial_forces_act() -> None:
+    table = tb.load_bearing("lrb-example").model_dump()
+    for plane in (False, True):
+        off, unset, acting = (
+            model_assumptions(analysis, [table], plane=plane)
+            for analysis in ({"axial": "off"}, {}, {"axial": "overturning"})
+        )
+        assert off == unset
+        assert "overturning" not in off[0]
+        assert "overturning" in acting[0]
+        assert acting[1:] == off[1:]
+
+
 def test_a_table_of_inputs_without_sources_has_no_column_for_them() -> None:
     heads = [
         [column.head for column in content.input_table("Inputs", {"count": 5}, sources).columns]

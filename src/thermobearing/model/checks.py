@@ -1,6 +1,6 @@
 """Checks of bearings: one row for each limit, of the lead and under a vertical load.
 
-The vertical load is an input; it changes neither force nor heat of a bearing.
+The vertical load is an input; without `axial` it changes neither force nor heat of a bearing.
 """
 
 import math
