@@ -14,7 +14,9 @@ import thermobearing as tb
 from tests.unit.inputs import SPECIMEN, assert_refused, changed_table, specimen_table, write_toml
 from thermobearing.bearing.bilinear import load_bilinear
 from thermobearing.bearing.scaling import extract_compound
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.cyclic.report import build_pieces
+from thermobearing.design import codes
 from thermobearing.design.case import make_design_case
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.dataset import _reached
@@ -22,7 +24,15 @@ from thermobearing.earthquake.run import Device
 from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import build_model
-from thermobearing.results.ranges import REST, compared, cycles_in_a_row, largest_speed
+from thermobearing.quantities.warned import NO_RANGE
+from thermobearing.results.ranges import (
+    NEVER_TESTED,
+    REST,
+    compared,
+    cycles_in_a_row,
+    largest_speed,
+    outside_tests,
+)
 
 LHDR = "shen-lhdr-specimen"
 
@@ -170,7 +180,7 @@ def test_a_range_that_is_not_given_is_said_once() -> None:
     result = tb.run("lrb-example", history(), [23.0, 0.0])
     reported = [text for text in result.warnings if "range not given" in text]
     assert len(reported) == 1
-    assert "tested_range" in reported[0]
+    assert NEVER_TESTED in reported[0]
     assert result.tested_range.empty
 
 
@@ -258,6 +268,27 @@ def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> N
     with contextlib.redirect_stdout(io.StringIO()) as screen:
         found.show()
     assert "above the 250 % tested" in screen.getvalue()
+
+
+def test_an_example_was_never_tested_and_a_file_may_state_its_tests() -> None:
+    """The sentence of a bearing of chosen numbers has no cure, as none of its tests exists."""
+    warnings = {
+        never: outside_tests("pier", [], None, never_tested=never)[0] for never in (False, True)
+    }
+    assert {warning.code for warning in warnings.values()} == {NO_RANGE}
+    assert [NEVER_TESTED in text for text in warnings.values()] == [False, True]
+    assert ["tested_range" in text for text in warnings.values()] == [True, False]
+    example = tb.load_bearing("lrb-example")
+    assert is_never_tested(example.sources)
+    assert not is_never_tested(tb.load_bearing("shen-lhdr-specimen").sources)
+    for bearing, words in (
+        (example, NEVER_TESTED),
+        (tb.load_bearing("shen-hdr-bridge"), "calibrated bearing"),
+    ):
+        first, *_ = codes.reasons(bearing, [], 0.5)
+        assert words in first
+    nameless = example.with_sources({})
+    assert not {NEVER_TESTED, "calibrated"} & set(codes.reasons(nameless, [], 0.5)[0])
 
 
 @pytest.mark.thorough

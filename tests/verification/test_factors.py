@@ -24,6 +24,7 @@ from thermobearing.design.factors import (
     scaled_bearing,
     temperature_factors,
 )
+from thermobearing.design.tables import _factors_table as _factors_of_screen
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.model.element import BearingElement
 
@@ -296,7 +297,7 @@ def test_a_bearing_beside_the_codes() -> None:
     assert by["Q_d"]["difference"] == "within"
     assert by["K_d"]["difference"] == "10 % above, interval overlaps"
     assert by["h_eq"]["difference"] == "16 % below, interval overlaps"
-    assert len(codes.reasons(rows, share)) == 4
+    assert len(codes.reasons(tb.load_bearing("shen-hdr-bridge"), rows, share)) == 4
     cold = codes.compare_with_codes(table[table["ambient_degC"] != -20.0], 1.0, "HDR", 20.0, share)
     assert {row["difference"] for row in cold} == {"none stated"}
     assert codes.compare_with_codes(table, 1.0, "LRB", 20.0, share)[1]["codes"] == {
@@ -351,3 +352,27 @@ def test_bad_words(tmp_path: Path, words: list[Any], pieces: list[str]) -> None:
 )
 def test_bad_arguments(call: Any, pieces: list[str]) -> None:
     assert_refused(call, *pieces)
+
+
+def test_makers_beside_a_bearing_with_lead() -> None:
+    """The maker's line of K_eq of lead rubber, 1.086 - 0.004278 t, at -20 over 20 degC."""
+    table = _factors_table({"K_eq": 1.19, "Q_d": 1.3, "K_d": 1.1, "h_eq": 1.05})
+    by_kind = {
+        kind: codes.compare_with_makers(table, 1.0, kind, 20.0) for kind in ("HDR", "LHDR", "LRB")
+    }
+    of_lead = {row["quantity"]: row for row in by_kind["LRB"]}
+    assert set(of_lead) == {"K_eq", "h_eq"}
+    assert of_lead["K_eq"]["factor"] == pytest.approx(1.17156 / 1.00044, rel=1e-12)
+    assert of_lead["K_eq"]["first"] == 1.19
+    assert not any("LRB" in row["kinds"] for row in by_kind["HDR"])
+    assert by_kind["LHDR"][: len(by_kind["HDR"])] == by_kind["HDR"]  # its own kind first
+    assert by_kind["LHDR"][len(by_kind["HDR"]) :] == by_kind["LRB"]
+
+
+@pytest.mark.parametrize(("reference", "noted"), [(15.0, True), (20.0, False), (23.0, False)])
+def test_an_unusual_reference_is_noted(reference: float, noted: bool) -> None:
+    row = {"strain": 1.0, "basis": "first", "quantity": "K_eq", "unit": "kN/mm"}
+    row |= {"ambient_degC": reference, "value": 2.0, "factor": 1.0}
+    summary = {"factors": [row], "reference_degC": reference, "bearing": "pier"}
+    note = _factors_of_screen(summary | {"motion": "sine", "cycles": "1-3"}).note
+    assert ("--reference" in note) == noted

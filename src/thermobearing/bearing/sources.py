@@ -44,3 +44,12 @@ def assumed_properties(sources: Mapping[str, str], *, at_reference: bool) -> tup
     """
     keys = (*STIFFNESS, *STRENGTH, *(() if at_reference else COEFFICIENTS))
     return tuple(key for key in keys if is_assumed(sources.get(key, "")))
+
+
+def is_never_tested(sources: Mapping[str, str]) -> bool:
+    """Return whether no test is behind a bearing: its rubber has an assumed or chosen stiffness.
+
+    >>> is_never_tested({"hysteresis.layer_stiffness": "chosen"})
+    True
+    """
+    return is_assumed(sources.get(STIFFNESS[0], ""))

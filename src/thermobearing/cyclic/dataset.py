@@ -23,6 +23,7 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
 from thermobearing.bearing.plausible import doubled_law
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.bearing.state import describe_states, state_attribute, states_table
 from thermobearing.border.lazy import xr
 from thermobearing.core.records import Floats, Ints, labels
@@ -144,7 +145,12 @@ def labelled(
                 *beyond(case.rig, rows["rig"]),
                 *failed_checks(rows["bearing_checks"]),
                 *_unstable_runs(climates, histories),
-                *outside_tests(bearing.name, rows["tested_range"], calibration_ranges(bearing)),
+                *outside_tests(
+                    bearing.name,
+                    rows["tested_range"],
+                    calibration_ranges(bearing),
+                    never_tested=is_never_tested(bearing.sources),
+                ),
             ]
         ),
         **{name: limit_rows for name, limit_rows in rows.items() if limit_rows},

@@ -7,6 +7,7 @@ from typing import Any
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.bearing.state import in_state, opposite, states_table
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, printable
@@ -148,6 +149,7 @@ def bounds_study(
     }
     table.attrs["rubber_state"] = states_table(states)
     table.attrs["ranges"] = calibration_ranges(bearing)
+    table.attrs["never_tested"] = is_never_tested(bearing.sources)
     resolved = to_table(coupled_case)
     table.attrs["inputs"] = {
         "structure": resolved["structure"],

@@ -5,10 +5,13 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
 from thermobearing.core.records import Floats
+from thermobearing.results.ranges import NEVER_TESTED
 
 FOOTNOTE = "*: chosen, or not checked against the published text"
 COMPARED = ("K_eq", "Q_d", "K_d", "h_eq")
@@ -55,6 +58,7 @@ class Published(Strict):
 
     codes: list[_PublishedCode]
     reasons: list[str]
+    bearings: dict[Literal["calibrated", "never_tested", "unstated"], str]
     tables: list[PublishedTable]
 
 
@@ -134,6 +138,35 @@ def compare_with_codes(
     return compared
 
 
+def compare_with_makers(
+    table: "pd.DataFrame", strain: float, kind: str, reference: float
+) -> list[dict[str, Any]]:
+    """Compare the factors of a bearing with those of makers: a row for each of their tables.
+
+    At the coldest temperature that the makers state. A bearing with lead has the makers' factors of
+    lead rubber bearings too: its rubber is another one then, and `kinds` of the row say so.
+    """
+    kinds = {kind, "LRB"} if kind == "LHDR" else {kind}
+    makers = [item for item in published().tables if not item.code and kinds & set(item.kinds)]
+    rows = table[(table["strain"] == strain) & (table["ambient_degC"] < reference)]
+    cold = np.sort(rows["ambient_degC"].unique())
+    compared = []
+    for item in makers:
+        values = item.relative_to(reference, cold)
+        for place in np.flatnonzero(np.isfinite(values))[:1]:
+            same = (rows["quantity"] == item.quantity) & (rows["ambient_degC"] == cold[place])
+            factors = rows[same].set_index("basis")["factor"]
+            row: dict[str, Any] = {
+                "quantity": item.quantity,
+                "name": item.name,
+                "kinds": item.kinds,
+            }
+            row |= {"ambient_degC": float(cold[place]), "factor": float(values[place])}
+            compared.append(row | {basis: float(factors[basis]) for basis in ("first", "heated")})
+    # Those of the same kind of bearing first.
+    return sorted(compared, key=lambda row: kind not in row["kinds"])
+
+
 def _difference(row: dict[str, Any]) -> str:
     """Return how far the first cycle is from the factors of the codes."""
     values = [value for rubbers in row["codes"].values() for value in rubbers.values()]
@@ -150,9 +183,18 @@ def _difference(row: dict[str, Any]) -> str:
     return f"{difference}, {'interval overlaps' if overlaps else 'no overlap'}"
 
 
-def reasons(rows: list[dict[str, Any]], share: float) -> list[str]:
+def _basis(bearing: Bearing) -> Literal["calibrated", "never_tested", "unstated"]:
+    """Return what is known of the tests behind the parameters of a bearing."""
+    if bearing.tested_range is not None:
+        return "calibrated"
+    return "never_tested" if is_never_tested(bearing.sources) else "unstated"
+
+
+def reasons(bearing: Bearing, rows: list[dict[str, Any]], share: float) -> list[str]:
     """Return why the factors of a bearing differ from those of codes, as sentences without stop."""
-    sentences = list(published().reasons)
+    texts, basis = published(), _basis(bearing)
+    bearing_words = texts.bearings[basis].format(never_tested=NEVER_TESTED)
+    sentences = [text.format(bearing=bearing_words) for text in texts.reasons]
     rows_by_quantity = {row["quantity"]: row for row in rows}
     code_values = {
         quantity: [value for rubbers in row["codes"].values() for value in rubbers.values()]

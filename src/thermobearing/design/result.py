@@ -11,6 +11,7 @@ import numpy as np
 import thermobearing
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.bearing.state import RubberState, has_excess, states_table
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
@@ -59,12 +60,15 @@ USABLE = ("converged", "two_sizes")  # outcomes of a design
 ENOUGH = 0.10  # of the displacement: "no more than 10 %" (6.2.2)
 
 
-def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any]]) -> list[str]:
-    """Return a warning for each cause: what left the tests, by bearing its rows and ranges."""
+def _beyond_tests(tests: Mapping[str, tuple[list[Row], Any, bool]]) -> list[str]:
+    """Return a warning for each cause: what left the tests.
+
+    `tests` has by bearing its rows, its ranges, and whether it was never tested.
+    """
     return one_per_cause(
         warning
-        for name, (rows, ranges) in tests.items()
-        for warning in outside_tests(name, rows, ranges, skip=("strain_rate",))
+        for name, (rows, ranges, never) in tests.items()
+        for warning in outside_tests(name, rows, ranges, skip=("strain_rate",), never_tested=never)
     )
 
 
@@ -158,6 +162,7 @@ class Design(Result):
             name: (
                 [row for row in rows if str(row["run"]).startswith(f"{name}, ")],
                 calibration_ranges(bearing),
+                is_never_tested(bearing.sources),
             )
             for name, bearing in bearings_by_name.items()
         }
@@ -320,7 +325,14 @@ class BoundsReport(Result):
         """What a reader must know: what left the tested ranges."""
         studies = self.studies.items()
         return _beyond_tests(
-            {n: (t.attrs.get("tested_range", []), t.attrs.get("ranges")) for n, t in studies}
+            {
+                name: (
+                    table.attrs.get("tested_range", []),
+                    table.attrs.get("ranges"),
+                    bool(table.attrs.get("never_tested")),
+                )
+                for name, table in studies
+            }
         )
 
     @property
@@ -415,8 +427,9 @@ class FactorReport(Result):
     def warnings(self) -> list[str]:
         """What a reader must know: what left the tested range."""
         rows = self.table.attrs.get("tested_range", [])
-        ranges = calibration_ranges(self.bearings[0])
-        return [*outside_tests(self.name, rows, ranges, skip=("strain_rate",))]
+        first = self.bearings[0]
+        ranges, never = calibration_ranges(first), is_never_tested(first.sources)
+        return [*outside_tests(self.name, rows, ranges, skip=("strain_rate",), never_tested=never)]
 
     @cached_property
     def _bounds(self) -> "pd.DataFrame":
@@ -484,8 +497,11 @@ class FactorReport(Result):
             "bounds_note": BOUNDS_NOTE,
             "stiffness_ratio": post_yield_ratio(first.kind).model_dump(),
             "compared": compared,
+            "makers": codes.compare_with_makers(
+                self.table, self.strain, first.kind, self.reference
+            ),
             "codes": [item.model_dump() for item in codes.published().codes],
-            "reasons": codes.reasons(compared, self.strength_share),
+            "reasons": codes.reasons(first, compared, self.strength_share),
             "factors": self.table.to_dict("records"),
             "lead_rises": self.table.attrs.get("lead_rises", []),
             "bands": self.bands.to_dict("records"),

@@ -104,6 +104,11 @@ def demands_tables(summary: Summary) -> dict[str, Table]:
     return tables
 
 
+USUAL_REFERENCES = (20.0, 23.0)  # of published factors, and of tests of Shen (2023) [degC]
+OTHER_REFERENCE = (
+    "Relative to {}: published factors refer mostly to 20 °C, and examples of the documentation to "
+    "23 °C; --reference makes factors comparable."
+)
 VIRGIN_BOUND = (
     "The lower and the upper bound are of tested rubber; the third bound, of virgin rubber, is for "
     "forces."
@@ -128,6 +133,8 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     bounds = pd.DataFrame(summary["bounds"])
     if summary.get("compared"):
         tables["compared"] = _compared_table(summary)
+    if summary.get("makers"):
+        tables["makers"] = _makers_table(summary)
     if summary.get("bands"):
         tables["bands"] = _bands_table(summary)
     caption = "Lower and upper bilinear model"
@@ -189,6 +196,8 @@ def _factors_table(summary: Summary) -> Table:
         parts = [f"{rises[t]:.0f} K at {degrees([t])}" for t in sorted(rises)]
         shear = f"{100.0 * strain:g} %"
         notes.append(f"Rise of the lead in the first cycle of {shear}: {joined(parts)}.")
+    if summary["reference_degC"] not in USUAL_REFERENCES:
+        notes.append(OTHER_REFERENCE.format(reference))
     if bands:
         notes.append(BAND.format(summary["samples"]))
     if marked:
@@ -289,6 +298,27 @@ def _cell(row: Mapping[str, Any], name: str = "factor") -> Any:
 
 BAND = "In brackets: 5 to 95 % of {} bearings, the given one and its samples."
 UNCHECKED = "None of these provisions was checked against the text of the code"
+
+
+MAKERS = "Factors of makers are divided by that at the reference temperature."
+OTHER_KIND = "Rows of another kind of bearing than {} are of another rubber."
+
+
+def _makers_table(summary: Summary) -> Table:
+    """Compare the factors of a bearing with those that makers publish."""
+    rows, kind = summary["makers"], summary["inputs"]["bearing"]["kind"]
+    columns = [Quantity(head) for head in ("Quantity", "Maker", "Of")]
+    columns += [Quantity("Ambient [°C]", form="g")]
+    columns += [Quantity(head, form=".2f") for head in ("Factor", "First", "Heated")]
+    names = ("ambient_degC", "factor", "first", "heated")
+    cells = [
+        [row["quantity"], row["name"], ", ".join(row["kinds"]), *(row[name] for name in names)]
+        for row in rows
+    ]
+    others = any(kind not in row["kinds"] for row in rows)
+    note = " ".join([MAKERS, *([OTHER_KIND.format(kind)] if others else [])])
+    caption = f"Factors of makers compared with those of {summary['bearing']}, {kind}"
+    return Table(caption, columns, cells, 3, note=note)
 
 
 def _compared_table(summary: Summary) -> Table:

@@ -10,6 +10,7 @@ from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.plausible import implausible
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.bearing.state import (
     RubberState,
     describe_states,
@@ -228,7 +229,10 @@ def _warnings_of_bearings(
             rows += compare_with_tests(name, reached, ranges)
             of_lead += _lead_rows(name, bearing.name, reached, histories[k])
         # Every earthquake strains faster than the tests: a note of the result states the rate.
-        of_bearings += outside_tests(bearing.name, rows, ranges, skip=("strain_rate",))
+        never = is_never_tested(bearing.sources)
+        of_bearings += outside_tests(
+            bearing.name, rows, ranges, skip=("strain_rate",), never_tested=never
+        )
         compared += rows
         # Neither bilinear bearings nor blind models use the temperature law.
         if not isinstance(bearing, BilinearBearing) and case.analysis.model not in BLIND:

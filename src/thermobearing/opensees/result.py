@@ -10,6 +10,7 @@ import numpy as np
 import thermobearing
 from thermobearing.bearing.exposure import describe_all, exposure_attribute, exposures
 from thermobearing.bearing.model import calibration_ranges
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.bearing.state import describe_states, state_attribute, states_table
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd, xr
@@ -306,7 +307,9 @@ def _attributes(
                 *describe_all(factors),
                 *describe_states(states),
                 *_outside_law(case, names, histories),
-                *outside_tests(bearing.name, rows, ranges),
+                *outside_tests(
+                    bearing.name, rows, ranges, never_tested=is_never_tested(bearing.sources)
+                ),
                 *warnings,
             ]
         ),

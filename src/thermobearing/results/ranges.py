@@ -41,6 +41,7 @@ CURVED = 1.2  # residual of a line over that of a cubic, above which the leg is 
 OFF_LEG = 0.02  # of the way: residual of a leg that neither describes
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
+NEVER_TESTED = "never tested as such"  # of an example
 OUTSIDE = "outside"  # column: whether a limit is exceeded
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
 TESTED_TO = " tested ("
@@ -249,14 +250,18 @@ def outside_tests(
     ranges: Mapping[str, Ends] | None,
     *,
     skip: Collection[str] = (),
+    never_tested: bool = False,
 ) -> list[Warned]:
     """Return a sentence for each quantity in which runs leave the calibration range of a bearing.
 
     That with the largest effect on the force, as `extrapolation` estimates it, is the first.
-    Without `ranges` one sentence says so; quantities in `skip` are left out.
+    Without `ranges` one sentence says so, of a bearing without tests (`never_tested`) that it has
+    none; quantities in `skip` are left out.
     """
     if ranges is None:
         sentence = f"{NOT_GIVEN}; state tested_range in the bearing file to have it checked"
+        if never_tested:
+            sentence = f"{NOT_GIVEN}; its parameters are chosen, and it was {NEVER_TESTED}"
         return [Warned(sentence, NO_RANGE, UNTESTED, name)]
     runs = len({row["run"] for row in rows})
     warnings: list[Warned] = []

@@ -18,6 +18,7 @@ import numpy as np
 from thermobearing.bearing.exposure import describe_all, exposures
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.bearing.sources import is_never_tested
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.toml import to_table
@@ -128,7 +129,9 @@ def _judge(
         ]
         warnings += describe_all(exposures([bearing], None))
         rows = [row for item in bearing_comparisons for row in item.compared]
-        warnings += outside_tests(bearing.name, rows, calibration_ranges(bearing))
+        never = is_never_tested(bearing.sources)
+        ranges = calibration_ranges(bearing)
+        warnings += outside_tests(bearing.name, rows, ranges, never_tested=never)
         comparisons += bearing_comparisons
     inputs = {
         bearing.name: {"table": to_table(bearing), "sources": bearing.sources}
