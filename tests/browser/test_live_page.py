@@ -15,6 +15,7 @@ from docs.builder.chromium import console_messages, grave_faults
 from tests.browser.chromium import needs_chromium
 from thermobearing.border.errors import InputError
 from thermobearing.cli import app
+from thermobearing.design.codes import published
 from thermobearing.live.data import live_module
 
 LARGEST = 1_000_000  # bytes of a page that a mail takes
@@ -396,6 +397,13 @@ def test_a_table_broader_than_the_screen_says_so(opened: Any) -> None:
     hint.wait_for(state="hidden")
 
 
+def test_a_stack_with_lead_says_that_rubber_beside_it_is_warmer(opened: Any) -> None:
+    for name, visible in (("shen-lhdr-bridge", True), ("shen-hdr-bridge", False)):
+        opened.locator("#base").select_option(name)
+        settle(opened)
+        assert opened.locator("#ring").is_visible() == visible
+
+
 def test_the_factors_state_the_rise_of_the_lead(opened: Any) -> None:
     """Those that Python has, in the same test; no rise without lead."""
     opened.locator("#tab-codes").click()
@@ -407,6 +415,10 @@ def test_the_factors_state_the_rise_of_the_lead(opened: Any) -> None:
     table = tb.temperature_factors(
         "lrb-example", reference_temperature=23.0, temperatures=[-20.0], strains=[1.0]
     )
+    kinds = opened.locator("#published td:nth-child(2)").all_inner_texts()
+    same = [kind == "LRB" for kind in kinds]
+    assert same == sorted(same, reverse=True)
+    assert same.count(True) == sum("LRB" in item.kinds for item in published().tables)
     shown = re.findall(r"by ([\d.]+) K at", opened.locator("#codes-words").inner_text())
     rises = {row["ambient_degC"]: row["lead_rise_K"] for row in table.attrs["lead_rises"]}
     assert [float(text) for text in shown] == [round(rises[-20.0]), round(rises[23.0])]

@@ -438,6 +438,7 @@ function showTest() {
   tell("answer", answer());
   if (runs.problem) return;
   const { cold, ms } = runs;
+  el("ring").hidden = !cold.lead;
   draw("loops", "warming", "stack", "profile");
   describe(["loops", "warming", "stack", "profile"]);
   showCycles();
@@ -487,8 +488,11 @@ const codesRun = (ambient) => once("codes", ambient, () => {
   const { outcome, cycles } = testAt(ambient, CODES);
   return { outcome, cycles };
 });
+const ofThisKind = (row) => row.kinds.includes(bearing.kind);
+/** Published factors, those of the same kind of bearing first. */
+const inOrder = () => [...page.factors].sort((one, other) => Number(ofThisKind(other)) - Number(ofThisKind(one)));
 function published() {
-  return page.factors.map((row) => {
+  return inOrder().map((row) => {
     const { temperatures: x, factors: y } = row;
     const place = x.findIndex((one, k) => k && one >= state.ambient);
     const inside = state.ambient >= x[0] && place > 0;
@@ -500,14 +504,14 @@ function codesSpec(colours) {
   const reference = codesRun(state.reference).cycles.at(-1);
   const found = GRID.map((one) => [one, (codesRun(one).cycles.at(-1)?.stiffness_kN_mm ?? NaN) / reference.stiffness_kN_mm]).filter(([, y]) => Number.isFinite(y));
   const now = codesRun(state.ambient).cycles.at(-1);
-  const others = page.factors.filter((row) => row.quantity === "K_eq");
+  const others = inOrder().filter((row) => row.quantity === "K_eq");
   const dashes = [[2, 2], [8, 3, 2, 3], [4, 3], [10, 4]];
   return {
     x: t("temperature_axis"), y: t("factor_axis"), mark: state.ambient,
     lines: [
       { x: found.map(([x]) => x), y: found.map(([, y]) => y), colour: colours.cold, width: 2.4, name: t("this_bearing") },
       ...(now ? [{ x: [state.ambient], y: [now.stiffness_kN_mm / reference.stiffness_kN_mm], colour: colours.cold, points: true }] : []),
-      ...others.map((row, at) => ({ x: row.temperatures, y: row.factors, colour: at % 2 ? colours.third : colours.warm, dash: dashes[at % 4], width: 1.5, name: row.name.replace(/ \(.*/, "") })),
+      ...others.map((row, at) => ({ x: row.temperatures, y: row.factors, colour: at % 2 ? colours.third : colours.warm, dash: dashes[at % 4], width: ofThisKind(row) ? 1.5 : 0.7, name: row.name.replace(/ \(.*/, "") + (ofThisKind(row) ? "" : ` (${t("codes_other")})`) })),
     ],
   };
 }
@@ -527,12 +531,14 @@ function showCodes() {
     describe(["codes_curve"]);
   }
   el("published-caption").textContent = t("codes_published", values);
-  fillTable(el("published"), [t("quantity"), t("codes_factor"), t("codes_own"), t("codes_reference"), t("codes_source")], published().map((row) => {
+  el("others-note").textContent = t("codes_others", { kind: bearing.kind });
+  fillTable(el("published"), [t("quantity"), t("codes_kind"), t("codes_factor"), t("codes_own"), t("codes_reference"), t("codes_source")], published().map((row) => {
     const [low, high] = [row.temperatures[0], row.temperatures.at(-1)];
     const text = Number.isFinite(row.value) ? fixed(row.value) : t("outside_table", { low: short(low), high: short(high) });
     const [name, there] = [NAMES[row.quantity], codesRun(row.reference_temperature).cycles];
     const own = [0, -1].map((at) => fixed((cold.cycles.at(at)?.[name] ?? NaN) / (there.at(at)?.[name] ?? NaN))).join(" | ");
-    return [`${row.quantity}: ${row.name}`, text, own, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
+    const kinds = row.kinds.join(", ") + (ofThisKind(row) ? "" : ` (${t("codes_other")})`);
+    return [`${row.quantity}: ${row.name}`, kinds, text, own, `${short(row.reference_temperature)} °C`, row.unverified ? `${row.source} (${t("unverified")})` : row.source];
   }));
 }
 
