@@ -148,8 +148,7 @@ def bounds_study(
         f"{bearing.name} ({other_state.rubber})": (bearing, other_state),
     }
     table.attrs["rubber_state"] = states_table(states)
-    table.attrs["ranges"] = calibration_ranges(bearing)
-    table.attrs["never_tested"] = is_never_tested(bearing.sources)
+    table.attrs["ranges"] = calibration_ranges(bearing), is_never_tested(bearing.sources)
     resolved = to_table(coupled_case)
     table.attrs["inputs"] = {
         "structure": resolved["structure"],

@@ -328,8 +328,7 @@ class BoundsReport(Result):
             {
                 name: (
                     table.attrs.get("tested_range", []),
-                    table.attrs.get("ranges"),
-                    bool(table.attrs.get("never_tested")),
+                    *table.attrs.get("ranges", (None, False)),
                 )
                 for name, table in studies
             }
