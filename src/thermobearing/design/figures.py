@@ -187,7 +187,8 @@ def draw_bounds(table: "pd.DataFrame", title: str) -> Figure:
     motions = list(dict.fromkeys(table["motion"]))
     panel_width = max(4.4, 0.5 * len(motions) + 1.2)
     figure, axes = drawing.panels(2, 2, (2.0 * panel_width, 6.4), title, least=drawing.NARROW)
-    tested_strain = (table.attrs.get("ranges", (None, False))[0] or {}).get("strain", (0.0, np.inf))[1]
+    ranges, _ = table.attrs.get("ranges", (None, False))
+    tested_strain = (ranges or {}).get("strain", (0.0, np.inf))[1]
     for ax, (column, label) in zip(axes, DEMANDS.items(), strict=True):
         rows = table[table["demand"] == column].set_index("motion").loc[motions]
         _draw_demand(ax, rows, temperatures, colours)
