@@ -340,3 +340,4 @@ OPENSEES_AXIAL = 3e-6  # vertical stiffness, shear under an axial force; its pi 
 OPENSEES_CAVITATION = 3e-6  # loops of tension, of the cavitation force
 OPENSEES_AXIAL_EARTHQUAKE = 1.5e-3  # peaks; 1.47e-3 measured, of its backward Euler step
 OPENSEES_AXIAL_LINE = 7e-3  # axial forces of five bearings, of their range
+OPENSEES_STORED = 1e-4  # relative, of its own numbers: another processor or release
