@@ -1,7 +1,7 @@
 """Figures of a parameter study."""
 
 import textwrap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.motions.spectrum import DAMPING
 from thermobearing.quantities.governing import order_from_least
+from thermobearing.quantities.words import joined
 from thermobearing.results import drawing
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
@@ -22,8 +23,8 @@ from thermobearing.studies.statistics.demand import (
     equal_classes,
     in_classes,
 )
-from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida
-from thermobearing.studies.statistics.hazard import CLIMATE, Hazard, Rate
+from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida, describe_wide
+from thermobearing.studies.statistics.hazard import TOGETHER, Hazard, Rate
 from thermobearing.studies.statistics.variance import REST, sampling_note
 from thermobearing.studies.tables import column_words, find_unit, limit_words
 
@@ -124,7 +125,6 @@ POINTS = 160
 FRAGILITY_NOTE = 95  # letters of a line above the panel
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
 TOO_FEW_LEVELS = " (too few levels)"  # the median is beyond all of them
-BANDED_ENDS = " of the coldest and the warmest"
 MARK_STEP = 0.01  # between marks of two temperatures, of the width
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
@@ -139,29 +139,26 @@ def _level_colours(names: list[Any]) -> list[str]:
 def _draw_fragility(
     curves: Mapping[Any, Fragility], climate: Fragility | None, title: str, intensity: str
 ) -> Figure:
-    """Draw the probability of exceedance against intensity; that over the climate in black."""
-    first_curve = next(iter(curves.values()))
+    """Draw the probability of exceedance against intensity; that of all temperatures in black."""
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
     intensities = np.concatenate(
         [curve.counts[curve.intensity].to_numpy() for curve in curves.values()]
     )
     im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
     shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
-    estimated = [name for name, curve in curves.items() if curve.estimate.known]
+    estimated = [name for name, curve in curves.items() if curve.is_drawable]
     ends = {*estimated[:1], *estimated[-1:]}
+    banded = {_label(name): curves[name] for name in curves if name in ends}
     for (name, curve), colour, shift in zip(
         curves.items(), _level_colours(list(curves)), shifts, strict=True
     ):
-        label = drawing.degrees(name) if isinstance(name, int | float) else str(name)
-        if curve.estimate.known:
-            label += TOO_FEW_LEVELS * bool(curve.beyond_levels)
-            # Bands of all would lie over each other; those of the ends compare cold and warm.
-            _curve(ax, curve, im, colour, label, banded=name in ends)
-        else:
-            ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
+        # Bands of all would lie over each other; those of the ends compare cold and warm.
+        _curve(ax, curve, im, colour, _label(name), banded=name in ends)
         _marks(ax, curve, colour, len(curves), float(shift))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, climate.name)
+        if climate.is_drawable:
+            banded[climate.name] = climate
     side_by_side = " (side by side)" * (len(curves) > 1)
     ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{side_by_side}")
     ax.set_xlim(0.0, float(im[-1]))
@@ -170,10 +167,9 @@ def _draw_fragility(
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
-    bands = f"{100 * first_curve.level:g} % bands" + BANDED_ENDS * (len(curves) > 2)
-    bands = first_curve.few_motions or bands
-    bands = "; ".join(filter(None, [bands, first_curve.wide_bands]))
-    note = f"{first_curve.method}; {bands}; {describe_failures(runs, left_out, collapsed)}"
+    method = next(iter(curves.values())).method
+    bands = _describe_bands(list(curves.values()), banded)
+    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed)}"
     lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
     look: drawing.Look = {"loc": "left", "fontsize": drawing.SMALLEST, "color": drawing.GREY}
     ax.set_title("\n".join(lines), **look)
@@ -181,9 +177,33 @@ def _draw_fragility(
     return figure
 
 
+def _label(name: Any) -> str:
+    return drawing.degrees(name) if isinstance(name, int | float) else str(name)
+
+
+def _describe_bands(curves: Sequence[Fragility], banded: Mapping[str, Fragility]) -> str:
+    """Return whose bands are drawn, and what few motions make of them."""
+    # Curves of the same motions; that of a temperature without exceedances says nothing of them.
+    drawn = list(banded.values())
+    few_motions = next((curve.few_motions for curve in [*drawn, *curves] if curve.few_motions), "")
+    if few_motions:
+        return few_motions
+    motions = max(curve.estimate.groups for curve in curves)
+    if not drawn:
+        return f"no curve and no bands; {motions} motions"
+    subject = f" of {joined(banded)}" if len(curves) + len(drawn) > 2 else ""
+    bands = f"{100 * drawn[0].level:g} % bands{subject}"
+    return "; ".join(filter(None, [bands, describe_wide(motions)]))
+
+
 def _curve(
     ax: Axes, curve: Fragility, im: Any, colour: str, label: str, *, banded: bool = True
 ) -> None:
+    """Draw a curve with its band, or only say in the legend that there is none."""
+    if not curve.is_drawable:
+        ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
+        return
+    label += TOO_FEW_LEVELS * bool(curve.beyond_levels)
     if banded and not curve.few_motions:
         ax.fill_between(im, *curve.band_at(im), color=colour, alpha=0.13, linewidth=0)
     width = 1.8 if len(curve.parts) > 1 else 1.4
@@ -295,7 +315,7 @@ def _draw_rates(
 
 def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     names = list(rates)
-    levels = [name for name in names if name != CLIMATE]
+    levels = [name for name in names if name not in TOGETHER]
     warm = dict(zip(levels, _level_colours(levels), strict=True)) if len(levels) > 1 else {}
     top = max((rate.high for rate in rates.values() if np.isfinite(rate.high)), default=1.0)
     # A lower end of zero has no place on a logarithmic axis.
@@ -322,7 +342,7 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     ax.set_yscale("log")
     ax.tick_params(which="both", labelsize=drawing.SMALL)
     ax.set_xlim(-0.6, len(names) - 0.4)
-    ticks = [drawing.degrees(n) if isinstance(n, int | float) else str(n) for n in names]
+    ticks = [_label(name) for name in names]
     rotated: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
     ax.set_xticks(range(len(names)), ticks, **rotated)
     ax.grid(False, axis="x")
@@ -334,6 +354,9 @@ KINDS = {
     "first": ("first-order index", "#0077BB"),
     "total": ("total index, with interactions", "#EE7733"),
 }
+
+
+LEGEND_IN_A_ROW = 5.0  # least width of such a figure [inch]
 
 
 def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
@@ -367,8 +390,11 @@ def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
         counts += f"; shares below zero, which are sampling errors, are drawn as zero ({negative})"
     drawing.name_axes(ax, "share of the variance [%]")
     _note_below(figure, "\n".join(filter(None, [counts, sampling_note(contributions)])))
-    # The layout reserves one strip below the panels, which the note has.
-    ax.legend(loc="best", fontsize=drawing.SMALL)
+    # The layout reserves one strip below the panels, which the note has; inside, a legend would
+    # cover bars.
+    above: drawing.Look = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False}
+    in_a_row = figure.get_figwidth() > LEGEND_IN_A_ROW
+    ax.legend(ncols=len(kinds) + 1 if in_a_row else 1, fontsize=drawing.SMALL, **above)
     return figure
 
 

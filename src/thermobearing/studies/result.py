@@ -52,6 +52,7 @@ from thermobearing.studies.statistics.fragility import (
     ida_curves,
 )
 from thermobearing.studies.statistics.hazard import (
+    ALL_TEMPERATURES,
     CLIMATE,
     Hazard,
     Rate,
@@ -416,15 +417,17 @@ class StudyResult(Result):
         return self.question.capacity
 
     def find_curves(self) -> tuple[dict[Any, Fragility], Fragility | None]:
-        """Return curves of each temperature of one bearing, and that over the climate, if any."""
+        """Return curves of each temperature of one bearing, and that of all together, if any."""
         question = self.question
         # Kept until the question changes, since a bootstrap takes long.
         if self._curve_cache is None or self._curve_cache[0] is not question:
             options: dict[str, Any] = {"method": question.method, "failed": question.failed}
             curves, climate = self.fragilities(self.capacity, **options), None
             if not all(isinstance(name, int | float) for name in curves):
-                # The study has drawn its temperatures from a climate.
-                climate = self.fragility(self.capacity, name=CLIMATE, **options)
+                # The study has drawn its temperatures from a climate or a distribution.
+                hourly = self.study.factors.ambient.hourly
+                name = CLIMATE if hourly else ALL_TEMPERATURES
+                climate = self.fragility(self.capacity, name=name, **options)
             elif question.temperatures is not None:
                 climate = self.over_climate(curves, self._rubber())
             self._curve_cache = question, curves, climate
@@ -437,9 +440,9 @@ class StudyResult(Result):
         return self.find_curves()[0], self.rates(self.all_curves(), self.question.hazard._curve())
 
     def all_curves(self) -> dict[Any, Fragility]:
-        """Return the curves of `find_curves`; that over the climate, if any, is the last."""
+        """Return the curves of `find_curves`; that of all temperatures, if any, is the last."""
         curves, climate = self.find_curves()
-        return curves if climate is None else {**curves, CLIMATE: climate}
+        return curves if climate is None else {**curves, climate.name: climate}
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""

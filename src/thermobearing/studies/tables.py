@@ -15,7 +15,7 @@ from thermobearing.report.content import words
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT, Plan
 from thermobearing.studies.statistics.fragility import Fragility
-from thermobearing.studies.statistics.hazard import CLIMATE, Rate
+from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
 from thermobearing.studies.statistics.variance import sampling_note
 from thermobearing.studies.store import label_plan
 
@@ -105,7 +105,9 @@ def answer(result: "StudyResult") -> list[str]:
         for prefix, part in parts.items():
             curves, rates = part.find_rates()
             row = part.rates_table(curves, rates).iloc[-1]
-            where = f"over the {CLIMATE}" if row["name"] == CLIMATE else _temperature(row["name"])
+            where = _temperature(row["name"])
+            if row["name"] in TOGETHER:
+                where = f"over {'the ' * (where == CLIMATE)}{where}"
             period = _period(rates[row["name"]])
             warm = _temperature(list(curves)[-1])
             ratio = ""

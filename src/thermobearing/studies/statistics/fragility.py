@@ -270,6 +270,16 @@ class Fragility:
         return float(1.0 / self.estimate.best.slope[0]) if is_lognormal else np.nan
 
     @property
+    def is_drawable(self) -> bool:
+        """Whether there is a curve: none of its temperatures lacks one for another reason than 0.
+
+        A temperature at which no run exceeds the capacity has the probability zero. Where the
+        counts determine a step or a constant, there is no curve.
+        """
+        outcomes = {estimate.outcome for _, estimate in self.parts}
+        return COMPLETED in outcomes and outcomes <= {COMPLETED, NONE_BEYOND}
+
+    @property
     def few_motions(self) -> str:
         """Why there is no band, such as "too few motions for a band: 4"; "" where there is one."""
         return "" if self.outcome == NONE_BEYOND else describe_few(self.estimate.groups)

@@ -26,7 +26,9 @@ from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility, describe_few
 from thermobearing.tables.columns import plain_title, read_columns
 
-CLIMATE = "climate"  # name of the curve over all temperatures of a climate
+# Names of the curve over all temperatures: of a climate or weather, or of a distribution.
+CLIMATE, ALL_TEMPERATURES = "climate", "all temperatures"
+TOGETHER = (CLIMATE, ALL_TEMPERATURES)
 STEP = 0.02  # of the logarithm of intensity, at most, in the integral
 MOST_STEPS = 10_000
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step

@@ -1,0 +1,79 @@
+"""Figures of a study draw the curves that there are, and name those that there are not."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.unit.made_up_study import ask, drawn, made_up
+from thermobearing.studies.result import StudyResult
+from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
+
+
+def legend(figure: Any) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def separated(method: str) -> StudyResult:
+    """Study with drawn temperatures of which only the largest intensity has exceedances."""
+    result = made_up().parts()["shen-hdr-bridge"]
+    ambient = np.random.default_rng(3).normal(0.0, 10.0, result.runs)
+    # The strongest motion alone exceeds the capacity: one intensity, and one IDA curve.
+    strongest = result.table.index == result.table["PGA_m_s2"].idxmax()
+    table = result.table.assign(
+        ambient_degC=ambient, pier_ductility=np.where(strongest, 1.1, 0.5), outcome="completed"
+    )
+    table["PGA_m_s2"] = result.table["scale"] * 8.0
+    if method == "ida":
+        table["ambient_degC"] = result.table["ambient_degC"]
+    return ask(StudyResult(table, result.study, result.manifest), capacity=1.0, method=method)
+
+
+def test_all_temperatures_have_no_curve_where_the_counts_give_none() -> None:
+    result = separated("stripes")
+    curve = result.find_curves()[1]
+    assert curve is not None
+    assert curve.outcome == "apart"
+    assert curve.name == ALL_TEMPERATURES  # no climate: the temperatures are entered
+    figure = result.plot.fragility()
+    assert f"{ALL_TEMPERATURES} (no curve)" in legend(figure)
+    (ax,) = figure.axes
+    # Marks and empty entries of the legend, but no line of a step.
+    assert not [line for line in ax.lines if line.get_linestyle() == "-" and len(line.get_xdata())]
+    assert not ax.collections
+    assert "no bands; 6 motions" in ax.get_title(loc="left")
+
+
+def test_a_step_among_the_temperatures_leaves_no_curve_of_all() -> None:
+    """The mean over levels has no curve where that of a temperature is a step."""
+    result = separated("ida")
+    levels = StudyResult(result.table, result.study, result.manifest)
+    mean = ask(levels, np.linspace(-20.0, 23.0, 50), capacity=1.0).find_curves()[1]
+    assert mean is not None
+    assert "apart" in {estimate.outcome for _, estimate in mean.parts}
+    assert not mean.is_drawable
+    whole = ask(made_up(), np.linspace(-20.0, 23.0, 50), capacity=1.0)
+    usual = whole.parts()["shen-hdr-bridge"].find_curves()[1]
+    assert usual is not None
+    assert usual.is_drawable
+
+
+@pytest.mark.parametrize("method", ["stripes", "cloud"])
+def test_the_note_names_the_temperatures_of_bands(method: Any) -> None:
+    figure = ask(drawn(paired=False), capacity=1.0, method=method).plot.fragility()
+    (ax,) = figure.axes
+    (note,) = [ax.get_title(loc="left").replace("\n", " ")]
+    # Three motions have no band, and the note says why.
+    assert "too few motions for a band: 3" in note
+    levels = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"].plot.fragility()
+    note = levels.axes[0].get_title(loc="left").replace("\n", " ")
+    assert "bands of −20 °C and 23 °C; 6 motions" in note
+
+
+def test_the_legend_of_the_variance_lies_above_its_bars() -> None:
+    figure = made_up().plot.variance()
+    figure.canvas.draw()
+    (ax,) = figure.axes
+    box = ax.get_legend()
+    assert box is not None
+    assert box.get_window_extent().y0 >= ax.get_window_extent().y1
