@@ -29,7 +29,7 @@ from thermobearing.structure.run import Line, prepare_structure
 
 BEARINGS = {"LHDR": "shen-lhdr-bridge", "HDR": "shen-hdr-bridge"}
 FIRST, STEPS = 1300, 300  # of the motion: 1.5 s of its strong part
-LIMITS = {"LHDR": (3820, 80), "HDR": (3680, 73)}  # operations and divisions of a step
+LIMITS = {"LHDR": (3840, 80), "HDR": (3700, 73)}  # operations and divisions of a step
 REST = "stiffness, lead, Maxwell branch and other parts of the bearing"
 STRUCTURE_PART = "structure: residual, solution, distribution of forces"
 # The part that each kernel and all that it calls belong to, unless they are named here themselves.

@@ -40,6 +40,7 @@ def made_up() -> StudyResult:
     runs = runs.assign(
         outcome=outcome,
         sentence=np.where(demand > 3.2, "try a smaller step", ""),
+        beyond_tested="",
         pier_ductility=demand.where(demand <= 3.2),
     )
     return StudyResult(runs, study, {"runs": len(runs)}, "out/p1")
@@ -78,7 +79,7 @@ def drawn(**design: Any) -> StudyResult:
     cold = np.exp(0.012 * (23.0 - runs["ambient_degC"])) * runs["bearing.K_r"]
     noise = np.exp(np.random.default_rng(4).normal(0.0, 0.3, len(runs)))
     demand = runs["PGA_m_s2"] / 8.0 * cold * noise
-    runs = runs.assign(outcome="completed", sentence="", pier_ductility=demand)
+    runs = runs.assign(outcome="completed", sentence="", beyond_tested="", pier_ductility=demand)
     return StudyResult(runs, study, {"runs": len(runs)}, "out/drawn")
 
 

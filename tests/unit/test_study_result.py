@@ -33,6 +33,9 @@ from thermobearing.border.errors import InputError
 from thermobearing.commands.study import studies as app
 from thermobearing.earthquake.run import run_task
 from thermobearing.loading import load_result
+from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE
+from thermobearing.report.pieces import Heading
+from thermobearing.report.template import document
 from thermobearing.results import drawing
 from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.case import make_study
@@ -107,21 +110,45 @@ def test_the_inputs_state_what_all_runs_share() -> None:
 
 
 def test_runs_outside_the_calibration_range_are_counted_for_each_bearing() -> None:
-    """Chambers are held within 2 K and strains within 2 %, so that -21.5 degC is inside."""
+    """By limit, the largest number first, with the side where a column of the table tells it."""
     whole = made_up()
-    colder = np.arange(whole.runs) % 4
-    strain = np.where(np.arange(whole.runs) % 8 == 1, 2.6, 2.54)
-    table = whole.table.assign(ambient_degC=np.where(colder == 0, -23.0, -21.5))
+    number = np.arange(whole.runs)
+    limits = np.where(number % 4 == 0, "strain strain_rate", "strain_rate")
+    limits = np.where(number % 8 == 1, "", limits)
+    strain = np.where(number % 8 == 0, 2.6, 0.1)
+    table = whole.table.assign(beyond_tested=limits, bearing_strain_max=strain)
     hdr = (table["bearing"] == "shen-hdr-bridge").to_numpy()
-    counts = int((hdr & (colder == 0)).sum()), int((hdr & (strain == 2.6)).sum())
-    strained = table.assign(bearing_strain_max=strain)
-    result = StudyResult(strained, whole.study, {"runs": whole.runs})
-    (sentence,) = [text for text in result.warnings if text.startswith("shen-hdr-bridge: ")]
-    numbers = [int(text) for text in re.findall(r"(\d+) (?:runs|outside|above)", sentence)]
-    assert numbers == [hdr.sum(), *counts]
-    inside = table.assign(ambient_degC=-21.5, bearing_strain_max=2.54)
-    kept = StudyResult(inside, whole.study, {"runs": whole.runs})
-    assert not [text for text in kept.warnings if "shen-hdr-bridge" in text]
+    outside = int((hdr & (limits != "")).sum())
+    above, below = (int((hdr & (number % 8 == place)).sum()) for place in (0, 4))
+    result = StudyResult(table, whole.study, {"runs": whole.runs})
+    (warning,) = [text for text in result.beyond_ranges() if text.place == "shen-hdr-bridge"]
+    assert warning.code == BEYOND_TESTS
+    assert warning in result.warnings
+    numbers = [int(text) for text in re.findall(r"(?:: | in |of )(\d+)(?= |,|$)", warning)]
+    assert numbers == [outside, hdr.sum(), outside, *sorted([above, below], reverse=True)]
+    assert warning.index("strain rate outside") < warning.index("strain above 250 %")
+    assert "strain below 50 %" in warning
+    # Few are no warning; a report still does not say that all lie inside.
+    rare = table.assign(beyond_tested=np.where(number == 0, "strain", ""))
+    few = StudyResult(rare, whole.study, {"runs": whole.runs})
+    assert not few.beyond_ranges()
+    pieces = build_pieces(few)
+    assert [len(part) for part in (pieces.validity, pieces.notes)] == [0, 1]
+    assert not pieces.validity_unknown
+    # A table of an earlier version was not compared, and a law without tests has no range.
+    earlier = StudyResult(table.drop(columns="beyond_tested"), whole.study, {})
+    assert [text.code for text in earlier.beyond_ranges()] == [NO_RANGE] * 2
+
+
+def test_a_report_counts_the_runs_outside_under_validity() -> None:
+    whole = made_up()
+    table = whole.table.assign(beyond_tested="ambient")
+    result = StudyResult(table, whole.study, {"runs": whole.runs})
+    pieces = build_pieces(result)
+    assert len(pieces.validity) == 2  # a sentence for each bearing, as in `warnings`
+    assert not set(pieces.validity) & set(pieces.warnings)
+    headings = [block.text for block in document(pieces, {}).blocks if isinstance(block, Heading)]
+    assert "Validity" in headings
 
 
 def test_a_law_of_the_user_is_stated_and_asked_for_by_the_commands() -> None:

@@ -67,6 +67,11 @@ def test_numbers_are_those_of_an_earthquake_analysis() -> None:
         assert_array_equal(found[name], whole.table[name], err_msg=name)
     for name in ("structure_residual", "mechanical_residual", "thermal_residual"):
         assert_array_equal(found[name], whole.energy[name], err_msg=name)
+    assert_array_equal(found["damping_of_input"], whole.table["damping_of_input"])
+    # Cycles need a history, which runs in lockstep do not have.
+    outside = [text.replace(" cycles", "") for text in whole.table["beyond_tested"]]
+    assert found["beyond_tested"].tolist() == outside
+    assert any("strain_rate" in text for text in outside)
     hottest = [whole.hottest(run) for run in range(whole.runs)]
     for place in ("rubber", "lead"):
         expected = np.array([one[place] for one in hottest], dtype=np.float32)

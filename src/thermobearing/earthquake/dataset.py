@@ -63,6 +63,7 @@ from thermobearing.results.ranges import (
     Ends,
     Row,
     compare_with_tests,
+    farthest,
     outside_tests,
     reached_by,
 )
@@ -303,14 +304,14 @@ def _reached(
     task: "Task", history: StructureHistory, lines: Sequence[int]
 ) -> dict[str, float | Ends]:
     """Return how far a run goes in the tested range, the farthest of some lines."""
-    farthest_values: dict[str, float | Ends] = {}
+    line_values = []
     for line in lines:
         rows, installed = history.bearing(line), task.lines[line]
         displacement, speed = rows["displacement"], lengths(measures.loading_speed(rows))
         # The strain is that of the resultant, which has no sign; that of x keeps both sides apart.
         if displacement.ndim > 1:
             displacement = np.copysign(lengths(displacement), displacement[:, 0])
-        line_values = reached_by(
+        reached = reached_by(
             rows["clock"],
             displacement,
             measures.largest(speed),
@@ -318,17 +319,8 @@ def _reached(
             ambient=(installed.ambient, installed.ambient),
             lead=rows["lead_temperature"] if installed.device.has_lead else None,
         )
-        farthest_values = {
-            name: _outer(farthest_values.get(name, value), value)
-            for name, value in line_values.items()
-        }
-    return farthest_values
-
-
-def _outer(first: float | Ends, second: float | Ends) -> float | Ends:
-    if isinstance(first, tuple) and isinstance(second, tuple):
-        return min(first[0], second[0]), max(first[1], second[1])
-    return first if isinstance(first, tuple) or isinstance(second, tuple) else max(first, second)
+        line_values.append(reached)
+    return farthest(line_values)
 
 
 def _name(task: "Task", bearing: str = "") -> str:

@@ -533,6 +533,11 @@ def _actuator_work(task: "Task", history: StructureHistory) -> float:
     return work
 
 
+def damping_share(damping: Any, input_energy: Any) -> Any:
+    """Return the share of viscous damping in the input energy, of one run or of columns."""
+    return damping / np.maximum(input_energy, LEAST_ENERGY)
+
+
 def compute_residuals(numbers: Mapping[str, Any]) -> dict[str, Any]:
     """Return the residuals of the energy balances of one run, or of columns of runs."""
     input_energy = numbers["energy_input"]

@@ -26,7 +26,7 @@ from thermobearing.quantities.warned import ASSUMED, Warned
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
-from thermobearing.results.metrics import BALANCE, LEAST_ENERGY
+from thermobearing.results.metrics import BALANCE
 from thermobearing.results.ranges import limits_passed, rate_note
 from thermobearing.results.screen import print_warnings, say, show_table
 from thermobearing.results.selection import chosen_runs, gridded, selected
@@ -286,8 +286,9 @@ class EarthquakeResult(DatasetResult):
         warmest = sorted_.groupby(group_keys, sort=False)["bearing_energy_kN_mm"].transform("last")
         frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
         energy = self.energy
-        input_energy = energy["input_kN_mm"].clip(lower=LEAST_ENERGY)
-        frame["damping_of_input"] = energy["damping_kN_mm"] / input_energy
+        frame["damping_of_input"] = measures.damping_share(
+            energy["damping_kN_mm"], energy["input_kN_mm"]
+        )
         for name in measures.LOOP:
             frame[name] = data[quantity(name).variable].values
         if len(self.rig):

@@ -42,6 +42,7 @@ OFF_LEG = 0.02  # of the way: residual of a leg that neither describes
 REST = 600.0  # between two loadings, after which cycles are counted from zero [s]
 NOT_GIVEN = "calibration range not given"
 NEVER_TESTED = "never tested as such"  # of an example
+NO_RANGE_STATED = f"{NOT_GIVEN}; state tested_range in the bearing file to have it checked"
 OUTSIDE = "outside"  # column: whether a limit is exceeded
 # Phrases that only warnings on validity contain: those below and that of the temperature law.
 TESTED_TO = " tested ("
@@ -107,14 +108,47 @@ def reached_by(
     Of times [s], displacements [mm], the largest speed [mm/s], the total rubber thickness [mm],
     the coldest and warmest ambient temperature and the temperatures of the lead [degC].
     """
+    ends = None if lead is None or not len(lead) else (float(lead.min()), float(lead.max()))
+    largest = float(np.abs(displacement).max())
+    reached = reached_by_peaks(largest, speed, rubber=rubber, ambient=ambient, lead=ends)
+    if speed > 0.0:  # else the rubber is not loaded
+        reached["cycles"] = cycles_in_a_row(time, displacement)
+    return reached
+
+
+def reached_by_peaks(
+    displacement: float, speed: float, *, rubber: float, ambient: Ends, lead: Ends | None = None
+) -> dict[str, float | Ends]:
+    """Return the quantities of a tested range that do not need a history.
+
+    Of the largest displacement [mm] and speed [mm/s], either way; the others as in `reached_by`,
+    of the lead the lowest and the highest temperature. Cycles need a history.
+    """
     reached: dict[str, float | Ends] = {"ambient": ambient}
     if speed > 0.0:  # else the rubber is not loaded
-        reached["strain"] = float(np.abs(displacement).max()) / rubber
-        reached["strain_rate"] = speed / rubber
-        reached["cycles"] = cycles_in_a_row(time, displacement)
-    if lead is not None and len(lead) and np.isfinite(lead).all():
-        reached["lead_temperature"] = float(lead.min()), float(lead.max())
+        reached |= {"strain": displacement / rubber, "strain_rate": speed / rubber}
+    if lead is not None and np.isfinite(lead).all():
+        reached["lead_temperature"] = lead
     return reached
+
+
+def farthest(values: Iterable[Mapping[str, float | Ends]]) -> dict[str, float | Ends]:
+    """Return how far several bearings with one tested range go in it together.
+
+    >>> farthest([{"strain": 0.5, "ambient": (-20.0, -20.0)}, {"ambient": (23.0, 23.0)}])
+    {'strain': 0.5, 'ambient': (-20.0, 23.0)}
+    """
+    together: dict[str, float | Ends] = {}
+    for reached in values:
+        for name, value in reached.items():
+            together[name] = _outer(together.get(name, value), value)
+    return together
+
+
+def _outer(first: float | Ends, second: float | Ends) -> float | Ends:
+    if isinstance(first, tuple) and isinstance(second, tuple):
+        return min(first[0], second[0]), max(first[1], second[1])
+    return first if isinstance(first, tuple) or isinstance(second, tuple) else max(first, second)
 
 
 def cycles_in_a_row(time: Floats, displacement: Floats) -> float:
@@ -259,7 +293,7 @@ def outside_tests(
     none; quantities in `skip` are left out.
     """
     if ranges is None:
-        sentence = f"{NOT_GIVEN}; state tested_range in the bearing file to have it checked"
+        sentence = NO_RANGE_STATED
         if never_tested:
             sentence = f"{NOT_GIVEN}; its parameters are chosen, and it was {NEVER_TESTED}"
         return [Warned(sentence, NO_RANGE, UNTESTED, name)]

@@ -55,6 +55,7 @@ from thermobearing.structure.run import (
 )
 
 COLDEST = -1e9  # degC: below every temperature, where the largest one begins
+WARMEST = 1e9  # degC: above every temperature, where the lowest one begins
 
 
 @dataclass(frozen=True)
@@ -122,6 +123,7 @@ def _empty_peaks(run: Run, system: types.System) -> types.Peaks:
         hinges=rows(types.HingePeak, len(system.hinges)),
     )
     peaks.lines["rubber_temperature"] = peaks.lines["lead_temperature"] = COLDEST
+    peaks.lines["coldest_lead"] = WARMEST
     return peaks
 
 

@@ -91,6 +91,13 @@ def _note_lines(system: System, bearings: Bearings, motion: Motion, peaks: Peaks
             peak.mismatch = max(peak.mismatch, response.layer_force_mismatch)
             lead = kind.states.branches[m, 0].lead_temperature
             peak.lead_temperature = max(peak.lead_temperature, lead)
+            peak.coldest_lead = min(peak.coldest_lead, lead)
+            # The clock of a bearing stands still until it moves.
+            elapsed = response.clock - peak.clock
+            per_time = select(elapsed > 0.0, 1.0 / max(elapsed, TINY), 0.0)
+            moved = minus(response.displacement, peak.last_displacement)
+            peak.speed = farther(peak.speed, scaled(moved, per_time))
+            peak.last_displacement, peak.clock = response.displacement, response.clock
             temperature = kind.states.temperature[m]
             for j in range(len(cells)):
                 warm = layer_temperature(cells, temperature, j)
@@ -111,6 +118,7 @@ def _note_peaks(
         peak.moment = max(peak.moment, abs(bend.moment))
 
 
+TINY = 1e-300  # in place of zero in a divisor
 ROUNDING = 2.0**-52  # of a coordinate, as a share of it
 MOST_ITERATIONS, GRACE = 100, 1000  # a step on average, after so many steps; usual are 3
 

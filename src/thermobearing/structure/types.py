@@ -369,6 +369,10 @@ class LinePeak:
     mismatch: float  # of layer forces [kN]
     rubber_temperature: float  # of any layer, at mid-thickness [degC]
     lead_temperature: float  # [degC]; 0 without lead
+    coldest_lead: float  # [degC]
+    speed: Peak  # mean of a step, on the clock of the bearing [mm/s]
+    last_displacement: Vector  # at the end of the last step [mm], and its clock [s]
+    clock: float
 
 
 class HingePeak:

@@ -13,6 +13,7 @@ from thermobearing.border.toml import to_table
 from thermobearing.model.outcomes import heat_flow
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE
 from thermobearing.quantities.words import counted, joined, number, tidy
 from thermobearing.report.content import figure_captions, pieces_of_saved
 from thermobearing.report.pieces import Pieces, ReportFigure
@@ -33,10 +34,7 @@ from thermobearing.studies.tables import (
     worst_table,
 )
 
-UNKNOWN = (
-    "The table of runs does not contain the calibration ranges of the bearings; repeat a run to "
-    "see them."
-)
+OF_RANGE = (BEYOND_TESTS, NO_RANGE)  # warnings that stand under Validity
 MOST_LEVELS = 12  # that are named
 SAME_DRAWS = "true: all combinations of levels have the same draws"
 SEPARATE_DRAWS = "false: each combination of levels has its own draws"
@@ -47,6 +45,10 @@ def build_pieces(result: Any) -> Pieces:
     if isinstance(result, SavedResult):
         return pieces_of_saved(result)
     hourly = result.study.factors.ambient.hourly
+    on_range = [text for text in result.warnings if getattr(text, "code", "") in OF_RANGE]
+    unknown = [text for text in on_range if getattr(text, "code", "") == NO_RANGE]
+    # Too few runs for a warning are no reason to say that all lie inside.
+    few = [tidy(text) for text in result.beyond_ranges(0.0) if text not in on_range]
     return Pieces(
         command="study",
         title=f"Study {result.study.name}",
@@ -55,7 +57,9 @@ def build_pieces(result: Any) -> Pieces:
         inputs=_input_tables(result),
         tables=result_tables(result) | {"worst": worst_table(result, result.worst())},
         figures=_figures(result),
-        validity_unknown=UNKNOWN,
+        validity=[tidy(text) for text in on_range if text not in unknown],
+        notes=few,
+        validity_unknown=" ".join(map(tidy, unknown)),
         assumptions=[
             f"Statistics of the {column_words(result.demand_name)}: "
             f"{failure_rule(result.demand_name, result.question.failed)}",
@@ -64,7 +68,7 @@ def build_pieces(result: Any) -> Pieces:
             "Every run begins with bearings at rest that have no earlier loading.",
             *([heat_flow(to_table(result.study.case.analysis), [])] if hourly else []),
         ],
-        warnings=[tidy(text) for text in result.warnings],
+        warnings=[tidy(text) for text in result.warnings if text not in on_range],
         identity={
             "Version": f"thermobearing {result.manifest.get('versions', {}).get('thermobearing')}",
             "Input (digest of all runs)": str(result.manifest.get("input", "")),

@@ -31,6 +31,7 @@ from thermobearing.studies.definition.record import (
 )
 from thermobearing.studies.question import Question, load_question
 from thermobearing.studies.statistics.demand import (
+    FEW_BEYOND,
     OUTCOME,
     WORST,
     Failed,
@@ -165,7 +166,7 @@ class StudyResult(Result):
             messages.append(Warned(completion, "incomplete", UNUSABLE))
         if self.failed:
             messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
-        messages += extrapolations(self.table, self.study.factors.bearing.levels)
+        messages += self.beyond_ranges()
         messages += self._misfits()
         if MATRIX in self.table and not self._has_sobol_design:
             ratios = (
@@ -175,6 +176,15 @@ class StudyResult(Result):
             )
             messages.append(Warned(ratios, "correlation_ratios"))
         return messages + self.study.pair_notes
+
+    def beyond_ranges(self, least: float = FEW_BEYOND) -> list[Warned]:
+        """Return which runs leave the calibration range of each bearing, if a share above `least`.
+
+        The limits are those in the column `beyond_tested`. A bearing without a range is named too.
+        """
+        own_lines = any(line.bearing is not None for line in self.study.case.lines)
+        levels = self.study.factors.bearing.levels
+        return extrapolations(self.table, levels, own_lines=own_lines, least=least)
 
     def _misfits(self) -> list[str]:
         """Return which fragility curves contradict the runs that they are made of."""

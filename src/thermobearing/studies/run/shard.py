@@ -17,16 +17,18 @@ import threading
 from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from itertools import islice
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, TypeAlias
 
 import numpy as np
 
+from thermobearing.bearing.model import Tested, calibration_ranges
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.axial import AXIAL_COLUMNS, run_extremes, with_axial_outcome
+from thermobearing.earthquake.measures import loading_speed
 from thermobearing.earthquake.run import (
     Task,
     ended_unstable,
@@ -39,6 +41,13 @@ from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES, UNSTABL
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.metrics import BALANCE
+from thermobearing.results.ranges import (
+    OUTSIDE,
+    Ends,
+    compare_with_tests,
+    farthest,
+    reached_by_peaks,
+)
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes
 from thermobearing.structure.model import list_hinges
 from thermobearing.structure.run import StructureHistory
@@ -48,7 +57,9 @@ from thermobearing.studies.run.processes import AHEAD, KEPT, is_stopped
 
 BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or structure
 BROKEN: Final = "broken"  # an error of this program
-TEXTS: Final = ("outcome", "sentence")
+BEYOND_TESTED: Final = "beyond_tested"
+DAMPING: Final = "damping_of_input"
+TEXTS: Final = ("outcome", "sentence", BEYOND_TESTED)
 COUNTS: Final = ("steps", "iterations", "substeps")
 OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
     name: quantity(name).variable
@@ -72,13 +83,16 @@ OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
     )
 }
 RESULT_COLUMNS: Final = (  # of the table of runs, after those of the plan
-    *TEXTS,
+    "outcome",
+    "sentence",
     *OF_RUN,
     "bearing_displacement_residual_mm",
     "pier_drift_max",
     "deck_displacement_residual_mm",
     "rubber_max_degC",
     "lead_max_degC",
+    BEYOND_TESTED,
+    DAMPING,
     "structure_residual",
     "mechanical_residual",
     "thermal_residual",
@@ -87,6 +101,8 @@ DECK: Final = -1  # last watch of a run in lockstep, after each pier and its top
 DRIFTS: Final = "pier_part_displacement_max"
 
 
+# Of a bearing line: largest displacement [mm] and speed [mm/s], ends of the lead [degC].
+Extent: TypeAlias = tuple[float, float, Ends | None]
 SENTENCES_BY_OUTCOME = ALL_SENTENCES | AXIAL_SENTENCES
 
 
@@ -148,6 +164,7 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
         lead=(line["line_lead_temperature_max"] for line in lines),
+        extents=[_extent(history.bearing(line), task, line) for line in range(len(lines))],
     )
     return row | run_extremes(history.axial)
 
@@ -175,8 +192,52 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
             peak["rubber_temperature"] for peak, device in line_peaks if device.stack is not None
         ),
         lead=(peak["lead_temperature"] for peak, device in line_peaks if device.has_lead),
+        extents=[
+            (
+                peak["displacement"],
+                peak["speed"],
+                (peak["coldest_lead"], peak["lead_temperature"]) if device.has_lead else None,
+            )
+            for peak, device in line_peaks
+        ],
     )
     return row | run_extremes(peaks.axial)
+
+
+def _extent(rows: Any, task: Task, line: int) -> Extent:
+    """Return the peaks of a line that its tested range is compared with, from its histories."""
+    displacement, speed = (
+        float(lengths(values).max()) for values in (rows["displacement"], loading_speed(rows))
+    )
+    lead = rows["lead_temperature"]
+    ends = (float(lead.min()), float(lead.max())) if task.lines[line].device.has_lead else None
+    return displacement, speed, ends
+
+
+def _beyond_tested(task: Task, extents: Sequence[Extent]) -> str:
+    """Return the limits of calibration ranges that a run passes with any of its bearings.
+
+    As `bridge` names them, without `cycles`, which need a history.
+    """
+    # The bearing of the run is the first, as in the table of `bridge`.
+    by_bearing: dict[str, tuple[Tested, list[Any]]] = {
+        task.device.bearing.name: (task.device.bearing, [])
+    }
+    for (displacement, speed, lead), installed in zip(extents, task.lines, strict=True):
+        on_line = installed.device.bearing
+        reached = reached_by_peaks(
+            displacement,
+            speed,
+            rubber=on_line.total_rubber_thickness,
+            ambient=(installed.ambient, installed.ambient),
+            lead=lead,
+        )
+        by_bearing.setdefault(on_line.name, (on_line, []))[1].append(reached)
+    rows = []
+    for name, (bearing, values) in by_bearing.items():
+        ranges = calibration_ranges(bearing)
+        rows += compare_with_tests(name, farthest(values), ranges)
+    return " ".join(dict.fromkeys(row["limit"] for row in rows if row[OUTSIDE]))
 
 
 def _overall(value: Any) -> Any:
@@ -260,6 +321,7 @@ def _row(
     deck: Any,
     rubber: Iterable[float],
     lead: Iterable[float],
+    extents: Sequence[Extent],
 ) -> dict[str, Any]:
     """Return all columns, from the measures of a run and those that only a study has."""
     outcome = measured["outcome"]
@@ -274,6 +336,10 @@ def _row(
         "deck_displacement_residual_mm": _overall(deck),
         "rubber_max_degC": _hottest(rubber),
         "lead_max_degC": _hottest(lead),
+        BEYOND_TESTED: _beyond_tested(task, extents),
+        DAMPING: float(
+            measures.damping_share(measured["energy_damping"], measured["energy_input"])
+        ),
         **measures.compute_residuals(measured),
     }
 
@@ -289,7 +355,8 @@ def _not_run(error: Exception) -> Measured:
     if isinstance(error, InputError):
         outcome, sentence = BAD_INPUT, " ".join(str(error).split())
     numbers = {name: 0 if name in COUNTS else np.nan for name in (*RESULT_COLUMNS, *AXIAL_COLUMNS)}
-    return Measured(numbers | {"outcome": outcome, "sentence": sentence})
+    texts = {"outcome": outcome, "sentence": sentence, BEYOND_TESTED: ""}
+    return Measured(numbers | texts)
 
 
 BATCH = 256  # runs that are prepared at a time, to fill the lanes in lockstep

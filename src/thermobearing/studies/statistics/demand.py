@@ -11,7 +11,8 @@ Bootstrap Methods and their Application, 3.8). Bands are percentiles (Efron & Ti
 Introduction to the Bootstrap, 13) of pivots, or at a level `widened` for few motions.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias, get_args
 
@@ -19,22 +20,26 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from thermobearing.bearing.model import Bearing, calibration_ranges
+from thermobearing.bearing.model import calibration_ranges
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
 from thermobearing.earthquake.result import STRAIN
 from thermobearing.model.outcomes import CAVITATED, PIER_BEYOND_LIMIT, UNSTABLE, UPLIFT
-from thermobearing.quantities.governing import SLACK_KELVIN, order_from_largest
-from thermobearing.quantities.warned import BEYOND_TESTS, UNTESTED, Warned
+from thermobearing.quantities.governing import order_from_largest
+from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE, UNTESTED, Warned
 from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
-from thermobearing.results.ranges import SLACK
+from thermobearing.results.ranges import NO_RANGE_STATED, TESTED, Ends
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.run.shard import BAD_INPUT, BROKEN
+from thermobearing.studies.run.shard import BAD_INPUT, BEYOND_TESTED, BROKEN
 
 SAMPLES = 500  # of a bootstrap, by default
 LEVEL = 0.95  # confidence of bands, by default
+NOT_COMPARED = (
+    "the table of runs has no column beyond_tested: its version did not compare runs with the "
+    "calibration range; run the study again, or repeat a run"
+)
 FEW_BEYOND = 0.05  # of the runs: fewer do not move the fractiles that tables state
 ROUNDING = 1e-9  # of a number of samples
 MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
@@ -375,31 +380,65 @@ def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None)
     return [int(run) for run in completed["run"].iloc[order[:count]]]
 
 
-def extrapolations(table: "pd.DataFrame", bearings: Sequence[Any]) -> list[Warned]:
-    """Return, for each bearing, how many runs leave its calibration range, if not few do."""
-    sentences = []
-    for bearing in bearings:
-        if not isinstance(bearing, Bearing):
+# Column with the values of a limit, of which tables tell the side that a run is outside on.
+SIDES = {"strain": STRAIN, "ambient": AMBIENT, "lead_temperature": "lead_max_degC"}
+
+
+def extrapolations(
+    table: "pd.DataFrame",
+    bearings: Sequence[Any],
+    *,
+    own_lines: bool = False,
+    least: float = FEW_BEYOND,
+) -> list[Warned]:
+    """Return, for each bearing, how many runs leave its calibration range, if not few do.
+
+    Counts the limits in the column `beyond_tested`, that with most runs first, if the share of
+    runs that pass any is above `least`. With `own_lines` a limit may be that of another bearing of
+    the run, so that its numbers are not stated.
+    """
+    warnings = []
+    for level in bearings:
+        runs = table[table["bearing"].astype(str) == str(level.name)]
+        bearing = getattr(level, "bearing", level)
+        if not len(runs):
             continue
-        ranges = calibration_ranges(bearing) or {}
-        runs = table[table["bearing"] == bearing.name]
-        beyond = []
-        if "ambient" in ranges and AMBIENT in runs:
-            low, high = ranges["ambient"]
-            within = runs[AMBIENT].between(low - SLACK_KELVIN, high + SLACK_KELVIN)
-            outside = int((~within & runs[AMBIENT].notna()).sum())
-            limit = f"{low:g} to {high:g} degC" if high > low else f"{low:g} degC"
-            if outside > FEW_BEYOND * len(runs):
-                beyond.append(f"{outside} outside ambient temperatures of {limit}")
-        if "strain" in ranges and STRAIN in runs:
-            largest = ranges["strain"][1]
-            above = int((runs[STRAIN] > (1.0 + SLACK) * largest).sum())
-            if above > FEW_BEYOND * len(runs):
-                beyond.append(f"{above} above a strain of {percent(largest)}")
-        if beyond:
+        ranges = calibration_ranges(bearing)
+        if ranges is None or BEYOND_TESTED not in runs:
+            missing = NO_RANGE_STATED if ranges is None else NOT_COMPARED
+            warnings.append(Warned(missing, NO_RANGE, UNTESTED, level.name))
+            continue
+        passed = [set(str(text or "").split()) for text in runs[BEYOND_TESTED]]
+        counts = _outside_by_limit(runs, passed, {} if own_lines else ranges)
+        outside = sum(map(bool, passed))
+        if outside > least * len(runs):
+            by_count = sorted(counts.items(), key=lambda entry: -entry[1])
+            stated = joined(f"{words} in {runs_outside}" for words, runs_outside in by_count)
+            verb = "leave" if len(runs) > 1 else "leaves"
             sentence = (
-                f"of {len(runs)} runs, {joined(beyond)} leave the calibration range; their "
-                "results are extrapolated"
+                f"{outside} of {len(runs)} runs ({percent(outside / len(runs))}) {verb} the "
+                f"calibration range; their results are extrapolated: {stated}"
             )
-            sentences.append(Warned(sentence, BEYOND_TESTS, UNTESTED, bearing.name))
-    return sentences
+            warnings.append(Warned(sentence, BEYOND_TESTS, UNTESTED, level.name))
+    return warnings
+
+
+def _outside_by_limit(
+    runs: "pd.DataFrame", passed: Sequence[set[str]], ranges: Mapping[str, Ends]
+) -> Counter[str]:
+    """Return the number of runs outside each limit, by its words: "strain below 50 %"."""
+    counts: Counter[str] = Counter()
+    for limit in dict.fromkeys(name for names in passed for name in TESTED if name in names):
+        _, title, factor, unit = TESTED[limit]
+        outside = np.array([limit in names for names in passed])
+        if limit not in ranges:
+            counts[title] = int(outside.sum())
+            continue
+        low, high = (factor * end for end in ranges[limit])
+        if SIDES.get(limit) not in runs:
+            counts[f"{title} outside {low:.3g} to {high:.3g}{unit}"] = int(outside.sum())
+            continue
+        above = outside & (factor * runs[SIDES[limit]].to_numpy(dtype=float) > high)
+        counts[f"{title} above {high:.3g}{unit}"] = int(above.sum())
+        counts[f"{title} below {low:.3g}{unit}"] = int((outside & ~above).sum())
+    return +counts  # without zeros
