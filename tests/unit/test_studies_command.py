@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from thermobearing.cli import app
+from thermobearing.motions.library import load_motion
+from thermobearing.studies.definition.motions import CUT
 
 FILE = """
 kind = "study"
@@ -101,15 +103,30 @@ def test_a_study_notes_that_one_component_of_a_pair_acts(tmp_path: Path) -> None
     table = FILE.replace('motion = "jra-ii-i-1"', f'motion = ["jra-i-i-1", {pair}]')
     study = [str(tmp_path / "pairs.toml"), "--jobs", "1"]
     (tmp_path / "pairs.toml").write_text(table.replace("2 s", "0.2 s"))
-    (note,) = last(["study", *study, "--dry-run", "-q"])["notes"]
+    note, _ = last(["study", *study, "--dry-run", "-q"])["notes"]
     assert "1 of 2 motions" in note
     said = CliRunner().invoke(app, ["study", *study, "--dry-run"]).stdout
     assert note in " ".join(said.split())
     assert last(["study", *study, "-o", str(tmp_path / "out"), "-q"])["exit_status"] == 0
-    assert tb.load_result(tmp_path / "out").warnings == [note]
+    assert note in tb.load_result(tmp_path / "out").warnings
     motions: list[Any] = ["jra-i-i-1", {"name": "jra-ii-i-1", "across": "jra-ii-i-2"}]
     bridge = tb.bridge("shen-bilinear-bridge", motions, ambient=23, duration=0.2)
     assert note in bridge.warnings
+
+
+def test_a_duration_that_cuts_motions_is_a_warning(tmp_path: Path) -> None:
+    """Before and after the runs; a duration beyond all motions is none."""
+    study = [str(tmp_path / "cut.toml"), "--jobs", "1"]
+    (tmp_path / "cut.toml").write_text(FILE.replace("2 s", "0.2 s"))
+    (note,) = last(["study", *study, "--dry-run", "-q"])["notes"]
+    length = load_motion("jra-ii-i-1").duration
+    assert f"jra-ii-i-1 (0.2 of {length:g} s)" in note
+    shown = CliRunner().invoke(app, ["study", *study, "-o", str(tmp_path / "out")])
+    assert note in " ".join(shown.stderr.split())
+    warnings = tb.load_result(tmp_path / "out").warnings
+    assert [text for text in warnings if getattr(text, "code", "") == CUT] == [note]
+    (tmp_path / "cut.toml").write_text(FILE.replace("2 s", f"{length + 1.0} s"))
+    assert last(["study", *study, "--dry-run", "-q"])["notes"] == []
 
 
 def test_status_and_table(done: Path) -> None:

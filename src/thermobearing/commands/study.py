@@ -84,6 +84,7 @@ def _run(
 ) -> Answer:
     """Run or resume a parameter study."""
     from thermobearing.studies.definition.case import load_study
+    from thermobearing.studies.definition.motions import study_notes
     from thermobearing.studies.run.engine import check_resumed, check_start, run_study
 
     loaded = load_study(study)
@@ -98,6 +99,9 @@ def _run(
     if loaded.factors.motion.matched is not None:
         check_start(target, **{name: options[name] for name in options if name != "resume"})
         loaded = _with_motions(loaded, target, jobs, quiet)
+    if not quiet:
+        for note in study_notes(loaded):
+            typer.echo(f"warning: {note}", err=True)
     status = with_progress(
         lambda show: run_study(loaded, target, progress=show, **options), "runs", quiet, STRUCTURES
     )
@@ -279,10 +283,11 @@ def _with_motions(study: Any, target: Path, jobs: int | None, quiet: bool) -> An
 def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
     """Print the expected number of runs, time and size of a study."""
     from thermobearing.results.screen import print_facts, say
+    from thermobearing.studies.definition.motions import study_notes
     from thermobearing.studies.run.engine import forecast, say_duration
 
     announce_compiling(quiet, STRUCTURES)
-    estimate = forecast(study, jobs)
+    estimate, notes = forecast(study, jobs), study_notes(study)
     if not quiet:
         size = f"{estimate.size / 1e3:.0f} kB" if estimate.size < 1e6 else megabytes(estimate.size)
         failed = f", {estimate.failed} failed" if estimate.failed else ""
@@ -300,12 +305,12 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
         print_facts(f"{study.name}: nothing is written", facts)
         for failure in estimate.failures.to_dict("records"):
             say(f"{failure['outcome']}: {failure['sentence']}")
-        for note in study.pair_notes:
+        for note in notes:
             say(note)
     return {
         "outcome": "dry_run",
         "exit_status": 0,
-        "notes": study.pair_notes,
+        "notes": notes,
         "runs": estimate.runs,
         "seconds_a_run": estimate.seconds,
         "motions_to_make": estimate.motions,

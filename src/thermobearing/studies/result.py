@@ -23,6 +23,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
 from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, Plan
+from thermobearing.studies.definition.motions import study_notes
 from thermobearing.studies.definition.record import (
     COLUMNS,
     Posterior,
@@ -175,7 +176,7 @@ class StudyResult(Result):
                 "of each"
             )
             messages.append(Warned(ratios, "correlation_ratios"))
-        return messages + self.study.pair_notes
+        return messages + study_notes(self.study)
 
     def beyond_ranges(self, least: float = FEW_BEYOND) -> list[Warned]:
         """Return which runs leave the calibration range of each bearing, if a share above `least`.

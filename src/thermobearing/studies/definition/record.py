@@ -24,7 +24,7 @@ from thermobearing.climate.readers import read_weather
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.earthquake.case import EarthquakeCase
-from thermobearing.earthquake.motions import Motion, pair_notes
+from thermobearing.earthquake.motions import Motion
 from thermobearing.motions.pair import MotionPair, pair_direction, rotation_measures
 from thermobearing.motions.record import GroundMotion, parse_acceleration
 from thermobearing.motions.spectrum import ANGLES, DAMPING, response_spectrum, rotated_spectrum
@@ -525,14 +525,6 @@ class Study(Strict):
     design: Design = Design()
     factors: Factors
     keep: Keep = Keep()
-
-    @property
-    def pair_notes(self) -> list[str]:
-        """Sentence on pairs of motions, of which only one component acts; empty in plan."""
-        motions = [
-            level.model_dump(exclude_none=True) for level in self.factors.motion.levels or ()
-        ]
-        return pair_notes(motions, plan=bool(self.factors.structure.levels[0].plan))
 
     def to_toml(self) -> str:
         """Return the study as TOML with names resolved and defaults filled in."""
