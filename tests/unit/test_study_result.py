@@ -438,6 +438,24 @@ def test_too_few_motions_or_levels_are_said_instead_of_numbers() -> None:
     assert len(part.plot.fragility().axes[0].collections) == 2
 
 
+def test_methods_take_their_demand_from_their_arguments() -> None:
+    """The options of the last figures do not change what Python computes."""
+    part = made_up().parts()["shen-hdr-bridge"]
+    table = part.table.assign(bearing_strain_max=2.0 * part.table["pier_ductility"])
+    plain = StudyResult(table, part.study, part.manifest)
+    asked = ask(plain, demand="bearing_strain_max", capacity=2.5, failed="collapse")
+    assert asked.default_demand == plain.demand_name == "pier_ductility"
+    assert asked.demand_name == "bearing_strain_max"
+    curve = asked.fragility(1.0, samples=5)
+    assert (curve.demand, curve.collapsed) == ("pier_ductility", 0)
+    pd.testing.assert_frame_equal(asked.demand(), plain.demand())
+    assert asked.worst(1).columns[-2] == "pier_ductility"
+    # Tables and figures are those of the question.
+    curves, _ = asked.find_curves()
+    assert {curve.demand for curve in curves.values()} == {"bearing_strain_max"}
+    assert "bearing strain" in asked.plot.demand().get_suptitle()
+
+
 def test_a_curve_is_printed_on_one_line() -> None:
     part = ask(made_up(), capacity=1.0).parts()["shen-hdr-bridge"].select(ambient_degC=-20.0)
     curve = part.fragility(1.0, name="cold")

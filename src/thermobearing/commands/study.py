@@ -239,11 +239,10 @@ def _worst(
     """List the worst runs and one example of each failure mode, with the command to repeat each."""
     from thermobearing.results.screen import say, show_table
     from thermobearing.studies.result import study_result
-    from thermobearing.studies.statistics.demand import ranked_by
     from thermobearing.studies.tables import worst_table
 
     result = study_result(directory)
-    table = result.worst(count, options.get("demand") or ranked_by(result.table))
+    table = result.worst(count, options.get("demand"))
     show_table(worst_table(result, table.drop(columns="command")))
     for line in table["command"]:
         say(line)

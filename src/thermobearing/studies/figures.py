@@ -409,7 +409,7 @@ class StudyFigures(drawing.Figures):
     def demand(self, across: str = AMBIENT) -> Figure:
         """Draw fractiles of the demand against the temperature; a panel for each bearing."""
         result = self._result
-        quantiles = result.demand(across=across, failed=result.question.failed)
+        quantiles = result.demand(result.demand_name, across, failed=result.question.failed)
         return _draw_demand(quantiles, result, across, _count_sentence(result))
 
     def ida(self) -> Figure:
@@ -441,7 +441,8 @@ class StudyFigures(drawing.Figures):
 
     def variance(self) -> Figure:
         """Draw the share of each factor in the variance of the demand."""
-        return _draw_variance(self._result.variance(), self._result.demand_name)
+        demand = self._result.demand_name
+        return _draw_variance(self._result.variance(demand), demand)
 
     def _intensity(self) -> str:
         """Return the label of an axis of the intensity; Sa with its period and damping."""

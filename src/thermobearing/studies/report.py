@@ -55,7 +55,8 @@ def build_pieces(result: Any) -> Pieces:
         question=_scope(result),
         answer=answer(result),
         inputs=_input_tables(result),
-        tables=result_tables(result) | {"worst": worst_table(result, result.worst())},
+        tables=result_tables(result)
+        | {"worst": worst_table(result, result.worst(by=result.demand_name))},
         figures=_figures(result),
         validity=[tidy(text) for text in on_range if text not in unknown],
         notes=few,

@@ -154,9 +154,17 @@ class StudyResult(Result):
         return COLUMNS[self.study.factors.scale.measure]
 
     @property
+    def default_demand(self) -> str:
+        """Column of a demand that is not stated: ductility of the pier if it exists.
+
+        That and ``failed="left-out"`` are the defaults of methods, whatever `question` has.
+        """
+        return ranked_by(self.table)
+
+    @property
     def demand_name(self) -> str:
-        """Column of the demand: that of the question, else ductility of the pier if it exists."""
-        return self.question.demand or ranked_by(self.table)
+        """Column of the demand of figures, tables and sentences: that of the question, if any."""
+        return self.question.demand or self.default_demand
 
     @property
     def warnings(self) -> list[str]:
@@ -242,7 +250,7 @@ class StudyResult(Result):
         Parameters
         ----------
         demand : str, optional
-            Column; `demand_name` by default.
+            Column; `default_demand` by default.
         across : str
             Column of numbers in place of the ambient temperature.
         by : sequence of str, optional
@@ -251,7 +259,9 @@ class StudyResult(Result):
             Treatment of failed runs.
         """
         by = tuple(self.things if by is None else by)
-        return demand_against(self.table, demand or self.demand_name, across, by=by, failed=failed)
+        return demand_against(
+            self.table, demand or self.default_demand, across, by=by, failed=failed
+        )
 
     def ida(self, demand: str | None = None, *, failed: Failed = "left-out") -> Ida:
         """Return IDA curves, one for each combination of the factors except the scale.
@@ -261,7 +271,7 @@ class StudyResult(Result):
         demand, failed
             As in `demand`.
         """
-        name = demand or self.demand_name
+        name = demand or self.default_demand
         return ida_curves(self.table, name, self.intensity, self._curves(), failed=failed)
 
     @property
@@ -339,7 +349,7 @@ class StudyResult(Result):
         capacity : float
             Capacity in the unit of the demand.
         demand : str, optional
-            Column; `demand_name` by default.
+            Column; `default_demand` by default.
         name : str
             Name of the curve.
         options
@@ -348,7 +358,7 @@ class StudyResult(Result):
         """
         self._refuse_mixed()
         options.setdefault("curves", self._curves())
-        demand = demand or self.demand_name
+        demand = demand or self.default_demand
         return fragility_curve(self.table, demand, capacity, self.intensity, name=name, **options)
 
     def fragilities(
@@ -370,7 +380,7 @@ class StudyResult(Result):
         self._refuse_mixed(by)
         table, by = in_classes(self.table, by)
         options.setdefault("curves", self._curves())
-        demand = demand or self.demand_name
+        demand = demand or self.default_demand
         return fragility_curves(table, demand, capacity, self.intensity, by, **options)
 
     def over_climate(self, curves: Mapping[Any, Fragility], temperatures: ArrayLike) -> Fragility:
@@ -433,12 +443,13 @@ class StudyResult(Result):
         # Kept until the question changes, since a bootstrap takes long.
         if self._curve_cache is None or self._curve_cache[0] is not question:
             options: dict[str, Any] = {"method": question.method, "failed": question.failed}
-            curves, climate = self.fragilities(self.capacity, **options), None
+            demand = self.demand_name
+            curves, climate = self.fragilities(self.capacity, demand, **options), None
             if not all(isinstance(name, int | float) for name in curves):
                 # The study has drawn its temperatures from a climate or a distribution.
                 hourly = self.study.factors.ambient.hourly
                 name = CLIMATE if hourly else ALL_TEMPERATURES
-                climate = self.fragility(self.capacity, name=name, **options)
+                climate = self.fragility(self.capacity, demand, name=name, **options)
             elif question.temperatures is not None:
                 climate = self.over_climate(curves, self._rubber())
             self._curve_cache = question, curves, climate
@@ -524,9 +535,9 @@ class StudyResult(Result):
         Parameters
         ----------
         demand : str, optional
-            Column; `demand_name` by default.
+            Column; `default_demand` by default.
         """
-        name = demand or self.demand_name
+        name = demand or self.default_demand
         if self._has_sobol_design:
             indices = sobol_table(self.table, name)
             return indices.assign(factor=indices["factor"].replace(HOUR, AMBIENT))
@@ -554,9 +565,9 @@ class StudyResult(Result):
         count : int
             Number of the worst runs.
         by : str, optional
-            Column that ranks the runs; `demand_name` by default.
+            Column that ranks the runs; `default_demand` by default.
         """
-        by = by or self.demand_name
+        by = by or self.default_demand
         run_numbers = worst_runs(self.table, count, by)
         failed = self.table[self.table[OUTCOME] != COMPLETED]
         run_numbers += [

@@ -95,7 +95,7 @@ def answer(result: "StudyResult") -> list[str]:
     if AMBIENT in result.factors:
         unit = f" {find_unit(demand)}".rstrip()
         for prefix, part in parts.items():
-            rows = part.demand(by=(), failed=result.question.failed).to_dict("records")
+            rows = part.demand(demand, by=(), failed=result.question.failed).to_dict("records")
             ends = " and ".join(
                 f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
                 for row in (rows[0], rows[-1])
@@ -150,7 +150,7 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
     if len(failures):
         tables["outcomes"] = failures_table(failures)
     if AMBIENT in result.factors:
-        table = result.demand(failed=question.failed)
+        table = result.demand(demand, failed=question.failed)
         shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
         units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
         caption = f"{column_words(demand)} by ambient temperature"
@@ -159,7 +159,7 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         for name, part in result.parts().items():
             tables |= _curve_tables(part, name)
     if result.has_variance:
-        table = result.variance()
+        table = result.variance(demand)
         table["factor"] = table["factor"].map(column_words)
         rows, failed = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
         note = f"{rows} {'samples' if 'total' in table else 'runs'}, {failed} failed and left out."
