@@ -77,3 +77,23 @@ def test_the_legend_of_the_variance_lies_above_its_bars() -> None:
     box = ax.get_legend()
     assert box is not None
     assert box.get_window_extent().y0 >= ax.get_window_extent().y1
+
+
+def test_the_median_with_collapse_stands_beside_the_runs_that_are_left_out() -> None:
+    """Where it differs: the failed runs of made-up studies have the largest demands."""
+    part = made_up().parts()["shen-hdr-bridge"]
+    table = part.table.assign(bearing_strain_max=part.table["pier_ductility"])
+    result = StudyResult(table, part.study, part.manifest)
+    question = {"demand": "bearing_strain_max", "capacity": 3.0}
+    left_out = ask(result, **question)
+    collapsed = ask(result, **question, failed="collapse").find_curves()[0]
+    medians = left_out.medians_with_collapse()
+    assert medians
+    for name, median in medians.items():
+        assert median == collapsed[name].median
+    assert ask(result, **question, failed="collapse").medians_with_collapse() == {}
+    note = left_out.tables()["fragility"].note
+    assert [note.count(f"{median:.4g} m/s²") for median in medians.values()] == [1] * len(medians)
+    # A low capacity is exceeded long before runs fail.
+    low = ask(result, demand="bearing_strain_max", capacity=0.5)
+    assert set(low.medians_with_collapse()) < set(low.find_curves()[0])

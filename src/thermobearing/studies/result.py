@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Hashable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -76,6 +77,7 @@ FACES = ("upper_face", "lower_face", "side")
 
 LAW_FILE = "FILE.py"  # to be replaced by the reader
 NUMBERS = ("scale", AMBIENT, HOUR)
+MEDIAN_DIFFERENCE = 0.02  # of a median, from which both treatments of failed runs are stated
 
 
 @checked
@@ -465,6 +467,28 @@ class StudyResult(Result):
         """Return the curves of `find_curves`; that of all temperatures, if any, is the last."""
         curves, climate = self.find_curves()
         return curves if climate is None else {**curves, climate.name: climate}
+
+    def medians_with_collapse(self) -> dict[Any, float]:
+        """Return the medians with failed runs as collapse that differ by more than 2 %, by curve.
+
+        Runs that are left out are not like the others: piers fail in the cold, where bearings are
+        stiff. A median beyond the intensities of the runs is no number to compare.
+        """
+        question, curves = self.question, self.all_curves()
+        if question.failed == "collapse" or not any(curve.left_out for curve in curves.values()):
+            return {}
+        changed = question.model_copy(update={"failed": "collapse"})
+        others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
+        medians = {}
+        with suppress(InputError):  # too few runs do not collapse for a regression
+            for name, curve in others.all_curves().items():
+                usual = curves[name].median
+                if curve.is_drawable and not curve.beyond_levels:
+                    # Without a curve, or with its median beyond the runs, every number differs.
+                    comparable = curves[name].is_drawable and not curves[name].beyond_levels
+                    if not comparable or abs(curve.median - usual) > MEDIAN_DIFFERENCE * usual:
+                        medians[name] = curve.median
+        return medians
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""

@@ -16,6 +16,7 @@ from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT, Plan
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
+from thermobearing.studies.statistics.likelihood import with_intensity_unit
 from thermobearing.studies.statistics.variance import sampling_note
 from thermobearing.studies.store import label_plan
 
@@ -210,7 +211,7 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
             f"{demand}: lognormal fragility by {part.question.method}{of}",
             units=units,
             heads=heads | {"name": ambient, "beyond": "Exceedances"},
-            note=_curve_notes(all_curves),
+            note=_curve_notes(all_curves, part.medians_with_collapse(), unit),
         )
     }
     if rates:
@@ -232,11 +233,21 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     return tables
 
 
-def _curve_notes(curves: Mapping[Any, Fragility]) -> str:
-    """Return the failed runs of curves, and what is wrong with them, each with its temperatures."""
+def _curve_notes(
+    curves: Mapping[Any, Fragility], medians_with_collapse: Mapping[Any, float], unit: str
+) -> str:
+    """Return the failed runs of curves, and what is wrong with them, each with its temperatures.
+
+    Where the runs that are left out matter, the median with them as collapse follows the count.
+    """
     notes: dict[str, list[str]] = {}
     for level, curve in curves.items():
-        notes.setdefault(curve.estimate.sentence or curve.sentence, []).append(_temperature(level))
+        text = curve.estimate.sentence or curve.sentence
+        if level in medians_with_collapse:
+            median = with_intensity_unit(medians_with_collapse[level], unit)
+            count = "" if text == curve.sentence else f"; {curve.sentence}"
+            text += f'{count}, and with failed = "collapse" the median is {median}'
+        notes.setdefault(text, []).append(_temperature(level))
     for level, curve in curves.items():
         # The numbers of a misfit, which differ from curve to curve, are in the warnings.
         misfit = curve.misfit.partition(":")[0]
