@@ -337,6 +337,19 @@ def test_a_few_runs_say_nothing_about_the_rest(capsys: pytest.CaptureFixture[str
     assert shown == ["runs: 32 of 1152", "runs: 400 of 1152, about 2 minutes left"]
 
 
+def test_runs_of_an_earlier_start_are_not_taken_for_the_rate(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Of 2000 runs, 500 are there; processes start within 50 s, then 10 runs a second end."""
+    now = [0.0]
+    lines = ProgressLines("runs", clock=lambda: now[0], resumes=True)
+    for second, done in ((0.0, 500), (50.0, 510), (60.0, 610), (110.0, 1110)):
+        now[0] = second
+        lines.show(done, 2000)
+    shown = capsys.readouterr().err.splitlines()
+    assert shown == ["runs: 510 of 2000", "runs: 1110 of 2000, about 89 s left"]
+
+
 def test_the_start_of_a_command_is_not_taken_for_the_rate(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

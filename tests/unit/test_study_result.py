@@ -63,6 +63,8 @@ def test_summary_and_worst_runs() -> None:
     assert summary["outcomes"]["not_converged"] == result.failed
     assert (summary["demand"], summary["intensity"]) == ("pier_ductility", "PGA_m_s2")
     worst = result.worst(3)
+    # The scale alone says nothing where it was found for an intensity.
+    assert_allclose(worst["PGA_m_s2"], result.table.loc[worst["run"], "PGA_m_s2"])
     through = result.table[result.table["outcome"] == "completed"]
     failed = result.table[result.table["outcome"] != "completed"]
     best = through.nlargest(3, "pier_ductility")["run"].tolist()
@@ -619,6 +621,9 @@ def test_figures_by_the_command(directory: Path) -> None:
     reported = json.loads(said.splitlines()[-1])
     names = [Path(name).stem for name in reported["files"]]
     assert {"demand", "variance", "ida-shen-hdr-bridge", "rates-shen-hdr-bridge"} <= set(names)
+    # Figures of another demand than the default one do not replace those.
+    folders = {Path(name).parent for name in reported["files"]}
+    assert folders == {directory / "figures" / "bearing_strain_max"}
     assert "Annual rates, shen-hdr-bridge" in said
     assert load_question(directory).capacity == CAPACITY
     status, said = run(["figures", directory, "--capacity", "-1"])

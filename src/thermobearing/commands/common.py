@@ -359,8 +359,16 @@ class ProgressLines:
     # parallel processes end together, and a few of them say nothing about the speed.
     SHARE, LONG = 0.05, 60.0
 
-    def __init__(self, task: str, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        task: str,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        resumes: bool = False,
+    ) -> None:
         self._what, self._clock = task, clock
+        # What an earlier start did, which the first call reports; it says nothing about the speed.
+        self._before: int | None = None if resumes else 0
         self._start = clock()
         self._next = self._start + self.FIRST
         self._first: tuple[float, int] | None = None  # time and count when the first were done
@@ -368,7 +376,9 @@ class ProgressLines:
     def show(self, done: int, total: int) -> None:
         """Print how much is done, and about how long the rest takes, where a line is due."""
         seconds = self._clock()
-        if done > 0 and self._first is None:
+        if self._before is None:
+            self._before = done
+        if done > self._before and self._first is None:
             self._first = seconds, done
         if seconds < self._next or self._first is None or not 0 < done < total:
             return
@@ -389,17 +399,20 @@ def with_progress(
     description: str,
     quiet: bool,
     kernel: str = STEPPING,
+    *,
+    resumes: bool = False,
 ) -> T:
     """Return what `call` returns, with a progress bar on stderr; lines where it is no terminal.
 
     `call` takes a function to report (done, all) to. A kernel that is compiled first is announced.
+    With `resumes` the first report is of what an earlier start did.
     """
     announce_compiling(quiet, kernel)
     terminal = sys.stderr.isatty()
     if quiet or not (terminal or PROGRESS_LINES_PRINTED):
         return call(None)
     if not terminal:
-        return call(ProgressLines(description).show)
+        return call(ProgressLines(description, resumes=resumes).show)
     from rich.console import Console
 
     from thermobearing.commands.progress import progress_bar

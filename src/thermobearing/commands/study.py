@@ -103,7 +103,11 @@ def _run(
         for note in study_notes(loaded):
             typer.echo(f"warning: {note}", err=True)
     status = with_progress(
-        lambda show: run_study(loaded, target, progress=show, **options), "runs", quiet, STRUCTURES
+        lambda show: run_study(loaded, target, progress=show, **options),
+        "runs",
+        quiet,
+        STRUCTURES,
+        resumes=True,
     )
     return _answer(status, quiet, part="shard" in options)
 
@@ -197,7 +201,8 @@ def _export(
 def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answer:
     """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
-    The figures are written into DIR/figures. The settings are stored in DIR/question.toml, which
+    The figures are written into DIR/figures, those of another demand than the default one into
+    DIR/figures/DEMAND, so that they replace no others. The settings are stored in DIR/question.toml, which
     `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
@@ -214,7 +219,10 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     result = study_result(directory, saved)
     question = change_question(saved, options, default_demand=result.demand_name)
     result.question = question
-    files = result.plot.save_all(directory / FIGURES, **end.figures)
+    folder = directory / FIGURES
+    if result.demand_name != result.default_demand:
+        folder /= result.demand_name
+    files = result.plot.save_all(folder, **end.figures)
     save_question(directory, question)
     if not end.quiet:
         for sentence in describe_kept(saved, options, question, str(directory / QUESTION)):

@@ -599,6 +599,8 @@ class StudyResult(Result):
         ]
         run_numbers = list(dict.fromkeys(run_numbers))  # the first of a mode may be a worst run
         columns = ["run", "id", OUTCOME, *self.factors, by]
+        if "scale" in columns and self.intensity in self.table:
+            columns.insert(columns.index("scale") + 1, self.intensity)
         by_run = self.table.set_index("run", drop=False)
         rows = by_run.loc[run_numbers, columns].reset_index(drop=True)
         place = str(self.directory).rstrip("/")
