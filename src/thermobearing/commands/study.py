@@ -202,8 +202,8 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
     The figures are written into DIR/figures, those of another demand than the default one into
-    DIR/figures/DEMAND, so that they replace no others. The settings are stored in DIR/question.toml, which
-    `thermobearing report DIR` reads too.
+    DIR/figures/DEMAND, so that they replace no others. The settings are stored in
+    DIR/question.toml, which `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
     from thermobearing.studies.question import (
