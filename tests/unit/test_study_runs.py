@@ -404,7 +404,8 @@ def test_a_study_is_planned_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
     """All columns but those of rounding itself; in any company, to the last bit."""
-    study = small_study({"duration": "4 s"}, bearing=["shen-lhdr-bridge"])
+    temperatures = ["-30 degC", "23 degC"]
+    study = small_study({"duration": "4 s"}, bearing=["shen-lhdr-bridge"], ambient=temperatures)
     side = study.design.model_copy(update={"lockstep": True})
     study = study.model_copy(update={"design": side})
     alone = study.model_copy(update={"design": side.model_copy(update={"lockstep": False})})
@@ -423,6 +424,8 @@ def test_runs_in_lockstep_are_those_of_runs_alone_and_nobody_elses() -> None:
             assert_allclose(together[column], given, rtol=tol.LANE_PEAK, err_msg=column)
         else:
             assert_array_equal(together[column], one_by_one[column])
+    # Lead that is colder than that of the tests, and rubber that is strained less.
+    assert together["beyond_tested"].str.contains("ambient lead_temperature").any()
     backwards = run_shard(Plan(study), rows.iloc[[3, 1]])
     for name in together:
         assert_array_equal(backwards[name], together[name].iloc[[3, 1]], err_msg=name)

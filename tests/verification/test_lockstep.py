@@ -19,6 +19,7 @@ from thermobearing.core import types
 from thermobearing.core.lanes.memory import WIDTH, aligned, side_by_side
 from thermobearing.core.march import march
 from thermobearing.core.records import rows
+from thermobearing.earthquake.measures import loading_speed
 from thermobearing.model.earlier import BilinearParameters, bilinear_constants
 from thermobearing.structure.lanes import Run, RunPeaks, run_lanes, run_peaks, with_shared_cells
 from thermobearing.structure.matrices import displacement_row
@@ -266,6 +267,8 @@ def test_peaks_in_plan_are_those_of_the_rows() -> None:
             size = np.hypot(values[:, 0], values[:, 1]).max()
             assert_array_equal(found.lines[name][line, :2], np.abs(values).max(axis=0))
             assert_allclose(found.lines[name][line, 2], size, rtol=tol.LOOP)
+        speed = np.hypot(*loading_speed(history.bearing(line)).T).max()
+        assert_allclose(found.lines["speed"][line, 2], speed, rtol=tol.LOOP)
     assert_array_equal(found.watches["displacement"][:, 0], np.abs(history.rows.q).max(axis=0))
     place = displacement_row(run.prepared.structure, "deck", 0.0, 1e4, 5e3)[None]
     watched = dataclasses.replace(run, places=place, carried=np.ones(1))
@@ -293,7 +296,11 @@ def test_peaks_are_those_of_the_rows() -> None:
     air = shakes()[8]
     rows_ = with_rows(air)
     assert warm.lines["rubber_temperature"][0] == rows_.layers().max()
-    assert warm.lines["lead_temperature"][0] == rows_.bearing()["lead_temperature"].max()
+    lead = rows_.bearing()["lead_temperature"]
+    assert warm.lines["lead_temperature"][0] == lead.max()
+    assert warm.lines["coldest_lead"][0] == lead.min() < lead.max()
+    speed = np.abs(loading_speed(rows_.bearing())).max()
+    assert_allclose(warm.lines["speed"][0], speed, rtol=tol.LOOP)
 
 
 def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
