@@ -19,7 +19,7 @@ from thermobearing.identify.fit.parameters import (
     with_values,
 )
 from thermobearing.identify.properties import LATER, later_cycles, later_means
-from thermobearing.identify.records.cycles import largest_measures
+from thermobearing.identify.records.cycles import compute_measures, largest_measures
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
 from thermobearing.identify.uncertainty.groups import chosen_groups
@@ -332,3 +332,39 @@ def test_a_planned_test_narrows_as_the_test_itself_does(warm_only: tb.Identifica
     assert chamber.half_width < 0.7 * band.bands[0].main.half_width
     row = band.summary()["narrowing"][0]
     assert row == {"what": chamber.what, "half_width": chamber.half_width}
+
+
+def test_a_prediction_at_a_temperature_of_the_tests_is_the_cycle_of_the_model_there() -> None:
+    """Bounds of cycles are the same in predictions, in cycles.csv and in the table of properties.
+
+    The rests have the jitter of an instrument, and the record ends 1 % of the peak from zero.
+    """
+    test = tb.cyclic_test(strain=[0.5, 1.75], cycles=2, rest=60, dt=0.02)
+    records = []
+    for ambient in (23.0, -20.0):
+        record = tb.synthetic_record(HDR, ambient, test, noise=0.01)
+        moving = np.flatnonzero(np.abs(record.displacement) > 0.02 * record.peak_displacement)
+        # In the middle of a leg towards zero, as a logger that is switched off early.
+        end = slice(0, int(moving[-1]) + 2)
+        shorter = {
+            name: getattr(record, name)[end] for name in ("time", "displacement", "force", "block")
+        }
+        x = shorter["displacement"]
+        assert -0.015 < x[-1] / record.peak_displacement < -0.005
+        x += np.random.default_rng(7).normal(0.0, 0.001 * np.abs(x).max(), len(x))
+        records.append(replace(record, **shorter))
+    # The same displacement at both temperatures: the prediction is of the loading of the first.
+    records[1] = replace(records[1], displacement=records[0].displacement)
+    identification = tb.identify_bearing(records, HDR, starts=1)
+    bands = forecast(identification, [23.0, -20.0], narrow=False).bands
+    for band, comparison in zip(bands, identification.fits, strict=True):
+        loops = comparison.loops
+        first = max(loops, key=lambda loop: (loop.number == 1, loop.amplitude))
+        assert comparison.largest is first
+        predicted = {item.quantity: item.best for item in band.predicted}
+        cycle = {"K_eq": first.model["K_eq"], "energy": first.model["energy"]}
+        cycle |= {"Q_d": first.strengths[1]}
+        assert {name: predicted[name] for name in cycle} == pytest.approx(cycle, rel=1e-9)
+        of_properties = compute_measures(comparison.record, comparison.record.force, 1.0, 1.0)
+        measured = of_properties[first.cycle - 1]
+        assert first.strengths[0] == pytest.approx(measured.characteristic_strength_kN, rel=1e-12)

@@ -256,7 +256,7 @@ def measure_history(
     if not cycles:
         raise InputError("no full cycle (zero, one side, other side, zero) was found")
     size: dict[str, Any] = {"area": area, "total_rubber_thickness": total_rubber_thickness}
-    return [measure_cycle(*_from_zero_to_zero(d, f, cycle), **size) for cycle in cycles]
+    return [measure_cycle(*closed_loop(d, f, cycle), **size) for cycle in cycles]
 
 
 def _histories(displacement: Floats, force: Floats) -> tuple[Floats, Floats]:
@@ -292,8 +292,8 @@ def cut_at_zeros(displacement: Floats, *others: Floats) -> list[Floats]:
     return histories
 
 
-def _from_zero_to_zero(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
-    """Return a cycle cut off at its upward crossings of zero.
+def closed_loop(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
+    """Return displacement and force of a cycle, cut off at its upward crossings of zero.
 
     Its first and last intervals are shared with its neighbours; counted fully in both, a cycle
     of 200 points gains some 2 % of energy. One that ends in a rest is extrapolated to zero: the
@@ -378,7 +378,11 @@ def _excursions_after_peak(e: Floats, left: float = NOISE) -> _Side:
 
 def _back_at_zero(e: Floats, left: float) -> int | None:
     """First point at or past zero of an excursion, or at its end if that is less than `left`."""
-    past = e <= max(0.0, e[-1] if e[-1] <= left else 0.0)
+    past = e <= 0.0
+    # Only an excursion that never comes back to zero ends beside it: where the history comes to
+    # rest says nothing about the excursions before.
+    if not past.any() and e[-1] <= left:
+        past = e <= e[-1]
     first = int(past.argmax())
     return first if past[first] else None
 

@@ -14,9 +14,10 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.results.loop import measure_loop
 from thermobearing.results.metrics import (
     CycleMeasures,
-    cut_at_zeros,
-    find_cycles,
+    FoundCycle,
+    closed_loop,
     find_largest_loop,
+    found_cycles,
     measure_history,
 )
 
@@ -32,6 +33,7 @@ LARGEST_DEAD = 0.02  # of the largest displacement: larger fluctuations are not 
 SAME = 0.05  # amplitudes closer than this, relative, are one level
 AWAY = 0.02  # of the largest displacement: moved at all
 CLOSING = 0.25  # of the amplitude before: a smaller cycle stops the motion and is no level
+MOSTLY = 0.9  # of the samples of a loop and a cycle: they are the same
 ALIKE = 0.01  # of the largest displacement: noise, and reversals between two samples
 PART_OF_LEG = 0.5  # of the amplitude: larger motions back and forth are legs
 
@@ -107,9 +109,8 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
     """Return the full cycles, from zero to zero, each beginning to the side of the first move."""
     cycles: list[Cycle] = []
     last_amplitude, number = 0.0, 0
-    side = _first_side(record.displacement)
-    for first, last in find_cycles(side * record.displacement):
-        amplitude = 0.5 * float(np.ptp(record.displacement[first : last + 1]))
+    for ends in _cycle_ends(record):
+        amplitude = 0.5 * float(np.ptp(record.displacement[ends.first : ends.last + 1]))
         closing = amplitude < CLOSING * last_amplitude
         # Closing cycles do not change the level: the next cycle is compared with the one before
         # them.
@@ -117,7 +118,7 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
         number = number + 1 if same and not closing else 1
         if not closing:
             last_amplitude = amplitude
-        cycles.append(Cycle(first, last, amplitude, number, closing))
+        cycles.append(Cycle(ends.first, ends.last, amplitude, number, closing))
     return cycles
 
 
@@ -263,32 +264,37 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
     one.
     """
     loops = [
-        _loop(record, force, cycle.first, cycle.last, place, cycle.number)
-        for place, cycle in enumerate(full_cycles(record), start=1)
+        _loop(record, force, ends, place, cycle.number)
+        for place, (ends, cycle) in enumerate(
+            zip(_cycle_ends(record), full_cycles(record), strict=True), start=1
+        )
         if not cycle.closing
     ]
     loops = [loop for loop in loops if loop.test["energy"] > 0.0]
-    ends = find_largest_loop(record.displacement, ALIKE)
-    if ends is None:
+    place = find_largest_loop(record.displacement, ALIKE)
+    if place is None:
         return loops, None
-    for loop in loops:  # which may begin a sample later, inside its zeros
-        if abs(loop.first - ends[0]) <= 1 and abs(loop.last - ends[1]) <= 1:
+    # A full cycle whose excursions are those of the largest loop is that loop. Their first samples
+    # may differ: noise crosses zero more than once.
+    for loop in loops:
+        shared = min(loop.last, place[1]) - max(loop.first, place[0])
+        longer = max(loop.last - loop.first, place[1] - place[0])
+        if shared > MOSTLY * longer:
             return loops, loop
-    largest = _loop(record, force, *ends)
+    largest = _loop(record, force, FoundCycle(*place, "closed", place[1]))
     return loops, largest if largest.test["energy"] > 0.0 else None
 
 
 def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
     """Return K_eq [kN/mm], Q_d [kN] and energy [kN mm] of the largest loop, and the peak force.
 
-    `force` is the model's at the samples of the record [kN]. A record without a loop has a peak
-    force only.
+    `force` is the model's at the samples of the record [kN]. The loop is that of `compare_loops`; a
+    record without a loop has a peak force only.
     """
     measures = {"force": float(np.abs(force).max())}
-    place = find_largest_loop(record.displacement, ALIKE)
-    if place is None:
+    _, loop = compare_loops(record, force)
+    if loop is None:
         return measures
-    loop = _loop(record, force, *place)
     return measures | {
         "K_eq": loop.model["K_eq"],
         "Q_d": loop.strengths[1],
@@ -296,45 +302,50 @@ def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
     }
 
 
+def _cycle_ends(record: TestRecord) -> list[FoundCycle]:
+    """Return where each full cycle begins and ends, and whether in a rest."""
+    cycles = found_cycles(_first_side(record.displacement) * record.displacement)
+    return [cycle for cycle in cycles if cycle.ends != "incomplete"]
+
+
 def _loop(
-    record: TestRecord, force: Floats, first: int, last: int, cycle: int = 0, number: int = 0
+    record: TestRecord, force: Floats, ends: FoundCycle, cycle: int = 0, number: int = 0
 ) -> Loop:
-    rows = slice(first, last + 1)
-    x = record.displacement[rows]
+    x = record.displacement[ends.first : ends.last + 1]
     high, low = float(x.max()), float(x.min())
-    test, model = _measures(x, record.force[rows]), _measures(x, force[rows])
-    extended = slice(max(0, first - 1), last + 2)  # with the crossings of zero at both ends
-    x = record.displacement[extended]
-    strengths = _strength(x, record.force[extended]), _strength(x, force[extended])
-    return Loop(first, last, cycle, number, 0.5 * (high - low), high, low, test, model, strengths)
+    side = _first_side(record.displacement)
+    test, test_strength = _measures(record, record.force, ends, side)
+    model, strength = _measures(record, force, ends, side)
+    return Loop(
+        ends.first,
+        ends.last,
+        cycle,
+        number,
+        0.5 * (high - low),
+        high,
+        low,
+        test,
+        model,
+        (test_strength, strength),
+    )
 
 
-def _strength(x: Floats, force: Floats) -> float:
-    """Return half the difference of the forces at the last upward and downward crossing of zero.
+def _measures(
+    record: TestRecord, force: Floats, ends: FoundCycle, side: float
+) -> tuple[dict[str, float], float]:
+    """Return the extreme forces, K_eq and h_eq (Eq. 3.1, 3.2), energy and Q_d of a loop.
 
-    The first crossing may be the start of the test, where the force is none of the loop.
+    They are those of `measure`, between the same zeros.
     """
-    crossing = np.flatnonzero((x[:-1] * x[1:] <= 0.0) & (x[:-1] != x[1:]))
-    share = x[crossing] / (x[crossing] - x[crossing + 1])
-    at_zero = force[crossing] + share * (force[crossing + 1] - force[crossing])
-    up = x[crossing + 1] > x[crossing]
-    if up.all() or not up.any():  # one side only, or none
-        return float("nan")
-    return 0.5 * float(at_zero[up][-1] - at_zero[~up][-1])
-
-
-def _measures(x: Floats, force: Floats) -> dict[str, float]:
-    """Return the extreme forces, K_eq and h_eq (Eq. 3.1, 3.2) and the energy of a loop.
-
-    They are those of `measure`, of the loop cut at zero displacement.
-    """
-    x, force = cut_at_zeros(x, force)
+    x, f = closed_loop(side * record.displacement, side * force, ends)
     # The size of the bearing matters to G_e only.
-    cycle = CycleMeasures(*measure_loop(x, force, 1.0, 1.0, math.nan, False))
-    return {
-        "F+": cycle.force_max_kN,
-        "F-": cycle.force_min_kN,
-        "K_eq": cycle.stiffness_kN_mm,
-        "h_eq": cycle.h_eq,
-        "energy": cycle.energy_kN_mm,
+    loop = CycleMeasures(*measure_loop(x, f, 1.0, 1.0, math.nan, False))
+    high, low = loop.force_max_kN, loop.force_min_kN
+    measures = {
+        "F+": high if side > 0.0 else -low,
+        "F-": low if side > 0.0 else -high,
+        "K_eq": loop.stiffness_kN_mm,
+        "h_eq": loop.h_eq,
+        "energy": loop.energy_kN_mm,
     }
+    return measures, loop.characteristic_strength_kN
