@@ -629,3 +629,15 @@ def test_limits_are_those_of_the_data_file(
     many = check_limits().model_copy(update={"few_samples": 100_000})
     monkeypatch.setattr(checks, "check_limits", lambda: many)
     assert "100000 or more" in said(check_test(good), "warning", "sampling")
+
+
+def test_the_stated_modulus_is_that_of_the_later_cycles() -> None:
+    """Three cycles of 30 mm whose forces are 3, 2 and 1 kN/mm: the first does not count."""
+    t = np.linspace(0.0, 3.0, 3001)
+    stiffness = 3.0 - np.minimum(np.floor(t), 2.0)
+    x = 30.0 * np.sin(2.0 * np.pi * t)
+    force = stiffness * 30.0 * np.sin(2.0 * np.pi * t + 0.1)
+    report = check_test(tb.record_from_arrays(t, x, force, 23.0), HDR)
+    (stated,) = (f.sentence for f in report.findings if f.check == "unit")
+    rubber, area = HDR.total_rubber_thickness, HDR.area
+    assert f"{1e3 * 1.5 * rubber / area:.3g} MPa" in stated

@@ -39,14 +39,24 @@ from thermobearing.identify.fit.problem import (
 )
 from thermobearing.identify.fit.start import _with_temperature, loop_start
 from thermobearing.identify.fit.synthetic import generic_start, synthetic_record
-from thermobearing.identify.properties import _chosen_cycles, _level_amplitudes
-from thermobearing.identify.records.cycles import compute_measures, full_cycles, turning_points
+from thermobearing.identify.records.cycles import (
+    compute_measures,
+    full_cycles,
+    level_amplitudes,
+    property_cycles,
+    turning_points,
+)
 from thermobearing.identify.records.record import TestRecord, record_from_arrays
+from thermobearing.identify.records.turns import (
+    describe_coarse_samples,
+    find_cut_turns,
+    find_sharp_turns,
+    step_at_reversals,
+)
 from thermobearing.identify.result import _fit_warnings
 from thermobearing.identify.uncertainty.covariance import (
     _effective_samples,
     _signal_warnings,
-    _step_at_reversals,
     _test_warnings,
     estimate,
 )
@@ -477,13 +487,13 @@ def record_of_cycles(*amplitudes: float) -> TestRecord:
 def test_a_closing_cycle_is_no_common_amplitude() -> None:
     """Levels of 30 and 15 mm with closing cycles of 3 mm share none, those of 15 mm share one."""
     large, small, both = (
-        _level_amplitudes(record_of_cycles(*amplitudes))
+        level_amplitudes(record_of_cycles(*amplitudes))
         for amplitudes in ((30.0, 30.0, 3.0), (15.0, 15.0, 3.0), (15.0, 15.0, 3.0, 30.0, 30.0, 3.0))
     )
     assert list(both) == [0, 1, 3, 4]
-    assert _chosen_cycles([large, small]) == [[1], [1]]
-    assert _chosen_cycles([both, small]) == [[1], [1]]
-    assert _chosen_cycles([both, large, small]) == [[4], [1], [1]]
+    assert property_cycles([large, small]) == [[1], [1]]
+    assert property_cycles([both, small]) == [[1], [1]]
+    assert property_cycles([both, large, small]) == [[4], [1], [1]]
 
 
 def test_properties_are_those_of_the_cycles_with_intervals() -> None:
@@ -536,17 +546,73 @@ def triangles(per_cycle: int, noise: float = 0.0) -> TestRecord:
     return record_from_arrays(t, x, 2.0 * x, 23.0)
 
 
+def moving_legs(rate: float, rounding: float, noise: float) -> TestRecord:
+    """Triangular cycles of 20 mm and 30 mm/s, whose turns are a mean over `rounding` [s]."""
+    t = np.arange(0.0, 8.0, 1.0 / rate)
+    fine = t[:, None] + rounding * np.linspace(-0.5, 0.5, 101)[None, :]
+    x = np.mean(20.0 * (2.0 / np.pi) * np.arcsin(np.sin(0.75 * np.pi * (fine - 0.003))), axis=1)
+    x = x + noise * np.random.default_rng(3).normal(size=len(x))
+    return record_from_arrays(t, x, 2.0 * x, 23.0)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_turns_between_two_samples_follow_from_straight_legs(noise: float) -> None:
+    """Every turn is at 20 mm, where steps are 0.6 mm; rounded turns and sines are left alone."""
+    record = moving_legs(50.0, 0.0, noise)
+    turns = find_cut_turns(record.time, record.displacement)
+    assert len(turns) == 6
+    for number, turn in enumerate(turns):
+        assert turn.time == pytest.approx(
+            2.0 / 3.0 + number * 4.0 / 3.0 + 0.003, abs=1e-9 + 2.0 * noise
+        )
+        assert abs(turn.displacement) == pytest.approx(20.0, abs=0.01 + 2.0 * noise)
+        assert abs(record.displacement[turn.before : turn.before + 2]).max() < 20.0 + 3.0 * noise
+    assert max(turn.cut for turn in turns) > 0.2
+    for rounding in (0.04, 0.2):
+        rounded = moving_legs(50.0, rounding, noise)
+        assert find_sharp_turns(rounded.time, rounded.displacement) == []
+    for rate in (12.0, 50.0, 400.0):
+        t = np.arange(0.0, 12.0, 1.0 / rate)
+        x = 20.0 * np.sin(0.5 * np.pi * t) + noise * np.random.default_rng(3).normal(size=len(t))
+        assert find_sharp_turns(t, x) == []
+
+
+def test_the_model_turns_where_the_legs_meet() -> None:
+    """Samples of 50 Hz cut up to 0.3 mm off the tips; d_y is 1.5 mm."""
+    dense, rare = moving_legs(1000.0, 0.0, 0.0), moving_legs(50.0, 0.0, 0.0)
+    exact, forces = ForwardModel(dense, HDR, fine=True).run(), []
+    for fine in (True, False):
+        run = ForwardModel(rare, HDR, fine=fine).run()
+        assert run is not None
+        forces.append(run.force)
+    assert exact is not None
+    truth = exact.force[::20]
+    for force, limit in zip(forces, (2e-3, 2e-2), strict=True):
+        assert_allclose(force, truth, atol=limit * float(truth.max()), rtol=0.0)
+
+
+def test_samples_that_do_not_resolve_a_turn_are_named() -> None:
+    """0.6 mm are 0.4 of d_y = 1.5 mm: enough where sharp turns are known, not where rounded."""
+    sharp, rounded = moving_legs(50.0, 0.0, 0.02), moving_legs(50.0, 0.04, 0.02)
+    assert describe_coarse_samples(sharp, 1.5) == ""
+    assert "81 Hz" in describe_coarse_samples(sharp, 1.5, also_sharp=True)  # 50 * 0.61 / 0.375
+    assert describe_coarse_samples(rounded, 1.5) != ""
+    dense = moving_legs(200.0, 0.04, 0.02)
+    assert describe_coarse_samples(dense, 1.5, also_sharp=True) == ""
+
+
 def test_displacements_that_make_intervals_too_narrow() -> None:
     """d_y is 1.549 mm: steps of 2 and 0.5 mm, noise of 0.22 and 0.05 mm, and a sine."""
-    assert _step_at_reversals(triangles(40)) == pytest.approx(2.0)
-    assert _step_at_reversals(triangles(160)) == pytest.approx(0.5)
+    assert step_at_reversals(triangles(40)) == pytest.approx(2.0)
+    assert step_at_reversals(triangles(160)) == pytest.approx(0.5)
     t = np.linspace(0.0, 12.0, 121)
     sine = record_from_arrays(t, 20.0 * np.sin(0.5 * np.pi * t), t, 23.0)
-    assert _step_at_reversals(sine) == pytest.approx(20.0 * (1.0 - np.cos(np.pi / 20.0)))
-    assert _signal_warnings([sine, triangles(160, 0.05)], HDR) == []
-    (coarse,) = _signal_warnings([triangles(160), triangles(40)], HDR)
+    assert step_at_reversals(sine) == pytest.approx(20.0 * (1.0 - np.cos(np.pi / 20.0)))
+    d_y = float(HDR.hysteresis.yield_displacement)
+    assert _signal_warnings([sine, triangles(160, 0.05)], d_y) == []
+    (coarse,) = _signal_warnings([triangles(160), triangles(40)], d_y)
     assert "2 mm" in coarse
-    assert "26 Hz" in coarse  # 10 Hz, and 2 mm are 2.58 times half of d_y
-    (noisy,) = _signal_warnings([triangles(160, 0.22), triangles(160)], HDR)
+    assert "52 Hz" in coarse  # 10 Hz, and 2 mm are 5.16 times a quarter of d_y
+    (noisy,) = _signal_warnings([triangles(160, 0.22), triangles(160)], d_y)
     assert "14 % of d_y" in noisy or "15 % of d_y" in noisy
     assert "0.15 mm" in noisy  # a tenth of d_y

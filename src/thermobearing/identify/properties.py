@@ -16,7 +16,12 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.forward import ForwardModel
-from thermobearing.identify.records.cycles import SAME, compute_measures, full_cycles
+from thermobearing.identify.records.cycles import (
+    SAME,
+    compute_measures,
+    level_amplitudes,
+    property_cycles,
+)
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
@@ -85,8 +90,8 @@ def list_properties(identification: "Identification") -> list[Property]:
     if not all(measured):
         return []
     warmest = place_of_largest([record.ambient for record in records])
-    amplitudes = [_level_amplitudes(record) for record in records]
-    places = _chosen_cycles(amplitudes)
+    amplitudes = [level_amplitudes(record) for record in records]
+    places = property_cycles(amplitudes)
     chosen = [amplitudes[test][cycles[0]] for test, cycles in enumerate(places)]
     best = [prediction.force for prediction in identification.predictions]
     of_tests = _values(measured, places, warmest)
@@ -176,43 +181,9 @@ def _measures(
         return []
 
 
-def _level_amplitudes(record: TestRecord) -> dict[int, float]:
-    """Return the amplitude [mm] of each full cycle by its number in the record, from 0.
-
-    Closing cycles stop the motion and belong to no level. As the only amplitude that tests have in
-    common they would stand for the bearing, at a tenth of the strain of the levels.
-    """
-    return {
-        number: cycle.amplitude
-        for number, cycle in enumerate(full_cycles(record))
-        if not cycle.closing
-    }
-
-
-def _chosen_cycles(amplitudes: Sequence[Mapping[int, float]]) -> list[list[int]]:
-    """Return the numbers of the cycles of each test that its properties are means over."""
-    common = [
-        size
-        for size in amplitudes[0].values()
-        if all(
-            any(abs(amplitude / size - 1.0) < SAME for amplitude in test.values())
-            for test in amplitudes
-        )
-    ]
-    places = []
-    for test in amplitudes:
-        size = max(common) if common else max(test.values())
-        same_amplitude = [
-            number for number, amplitude in test.items() if abs(amplitude / size - 1.0) < SAME
-        ]
-        # The first cycle of an amplitude is stiffer (scragging) and is left out if there are more.
-        places.append(same_amplitude[1:] or same_amplitude)
-    return places
-
-
 def later_cycles(identification: "Identification") -> list[int]:
     """Return the numbers of the cycles of the first test that its properties are means over."""
-    return _chosen_cycles([_level_amplitudes(record) for record in identification.records])[0]
+    return property_cycles([level_amplitudes(record) for record in identification.records])[0]
 
 
 def later_means(

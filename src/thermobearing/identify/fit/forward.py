@@ -4,7 +4,7 @@ Stack, cells and time steps are built once per record; an evaluation changes the
 rubber, lead and rate dependence only. Steps may be coarser than the samples: fine where the
 motion turns (the loop is steep there) and longer along a leg; Z is exact for any increment,
 and the force between two steps is interpolated along the displacement. No step is shorter than
-the noise of the displacement: jitter is not motion.
+the noise of the displacement: jitter is not motion. A turn between two samples is a step too.
 """
 
 from copy import copy
@@ -23,12 +23,14 @@ from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
 from thermobearing.identify.records.record import PAUSE, TestRecord
+from thermobearing.identify.records.turns import find_cut_turns
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
 
 FIRST_STEP = 0.002  # of the largest displacement, after a turn
 GROWTH = 0.15  # of the way since the turn: step along a leg
+PART_OF_BAND = 0.5  # of the dead band: step along a leg of a noisy record
 LONGEST_STEP = 0.05  # of the largest displacement
 PAUSE_FIRST, PAUSE_GROWTH, PAUSE_STEPS = 0.05, 1.2, 40
 
@@ -52,15 +54,16 @@ class _Grid(NamedTuple):
     part: Floats  # of the way between them
 
 
-def _nodes(time: Floats, x: Floats, fine: bool) -> Ints:
+def _nodes(time: Floats, x: Floats, band: float, fine: bool) -> Ints:
     """Return the samples where steps end: all but jitter, or turns and ever sparser after."""
-    band, peak = dead_band(x), float(np.abs(x).max())
-    # Without noise every sample is motion. With noise, a step shorter than the dead band would
-    # move the model by jitter alone.
+    peak = float(np.abs(x).max())
+    # Without noise every sample is motion. With noise, steps of the noise itself would move the
+    # model by jitter, and steps of the whole dead band would cut the steep branch after a turn.
     if fine and band <= 0.0:
         return np.arange(len(x))
     if fine:
-        return _along(time, x, turning_points(x, band), np.arange(band, 2.2 * peak, band))
+        step = PART_OF_BAND * band
+        return _along(time, x, turning_points(x, band), np.arange(step, 2.2 * peak, step))
     # Steps grow in proportion to the distance since the turn: the loop is steep there, and ever
     # flatter along the leg. A leg from one side to the other is at most 2 peaks long; 2.2 is safe.
     distances = [0.0]
@@ -97,10 +100,17 @@ def _pause(duration: float, before: float, growth: float, steps: int) -> Floats:
 
 def _grid(record: TestRecord, fine: bool) -> _Grid:
     """Return the steps of the model through a record."""
-    time, x = record.time, record.displacement
-    nodes = _nodes(time, x, fine)
+    turns, band = find_cut_turns(record.time, record.displacement), dead_band(record.displacement)
+    # The motion has turns that the samples cut off. After a turn the loop is so steep that half a
+    # step of the logger matters.
+    places = [turn.before + 1 for turn in turns]
+    time = np.insert(record.time, places, [turn.time for turn in turns])
+    x = np.insert(record.displacement, places, [turn.displacement for turn in turns])
+    samples = np.arange(len(record.time))
+    samples += np.searchsorted(places, samples, side="right")
+    nodes = _nodes(time, x, band, fine)
     growth, steps = (1.05, 100) if fine else (PAUSE_GROWTH, PAUSE_STEPS)
-    rest_motion = max(TURN * record.peak_displacement, dead_band(x))
+    rest_motion = max(TURN * record.peak_displacement, band)
     usual_gap = float(np.median(np.diff(time)))
     xs, dts = [x[:1]], [np.array([usual_gap])]
     gaps, moves = np.diff(time[nodes]), np.diff(x[nodes])
@@ -118,10 +128,10 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     row_ends = 1 + np.concatenate([[0], np.cumsum(counts)])
     # Each sample lies between two nodes. Its force is interpolated along the displacement, with
     # which the force varies; where that hardly moves, along time.
-    place = np.clip(np.searchsorted(nodes, np.arange(len(x)), side="right") - 1, 0, len(nodes) - 2)
+    place = np.clip(np.searchsorted(nodes, samples, side="right") - 1, 0, len(nodes) - 2)
     a, b = nodes[place], nodes[place + 1]
-    travel, span = x - x[a], x[b] - x[a]
-    by_time = (time - time[a]) / (time[b] - time[a])
+    travel, span = x[samples] - x[a], x[b] - x[a]
+    by_time = (time[samples] - time[a]) / (time[b] - time[a])
     # A span of nearly zero would divide by rounding.
     moved = np.abs(span) > 0.1 * FIRST_STEP * record.peak_displacement
     part = np.where(moved, travel / np.where(moved, span, 1.0), by_time)

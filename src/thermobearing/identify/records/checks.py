@@ -27,11 +27,13 @@ from thermobearing.identify.records.cycles import (
     SAME,
     Cycle,
     compute_measures,
+    level_amplitudes,
     loop_middles,
     measure_zeros,
+    property_cycles,
     split_runs,
 )
-from thermobearing.identify.records.limits import check_limits
+from thermobearing.identify.records.limits import check_limits, suspected_slip
 from thermobearing.identify.records.record import ASSUMED_AMBIENT, PAUSE, TestRecord, load_test
 from thermobearing.identify.records.treatment import (
     SURE,
@@ -44,7 +46,7 @@ from thermobearing.identify.records.treatment import (
     treat,
     warn,
 )
-from thermobearing.quantities.governing import largest_by
+from thermobearing.identify.records.turns import describe_coarse_samples, describe_cut_turns
 from thermobearing.quantities.words import counted, percent
 from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -53,16 +55,8 @@ from thermobearing.results.writing import write_summary
 from thermobearing.tables.conditioning import Conditioning
 from thermobearing.tables.guess import initial_temperature
 
-TONF = conversion("tonf", "kN")[0]
-SLIPS = (  # factors on force and displacement that would correct a mistake, and the mistake
-    (TONF, 1.0, "force in tonf labelled kN"),
-    (1.0 / TONF, 1.0, "force in kN labelled tonf"),
-    (1e-3, 1.0, "force in N labelled kN"),
-    (1e3, 1.0, "force in kN labelled N"),
-    (1.0, 10.0, "displacement in cm labelled mm"),
-    (1.0, 0.1, "displacement in mm labelled cm"),
-)
 NOT_NEEDED = ("cycles", "sampling")  # checks of a calibration that any history may fail
+COARSE = "turns"  # the check of the distance of samples after a turn
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 MILLI = 1e3  # seconds labelled ms, or milliseconds labelled s
 ZERO_DEGC = -conversion("K", "degC")[1]  # [K]
@@ -370,6 +364,8 @@ def _check_sampling(record: TestRecord, full: list[Cycle]) -> Iterator[Finding]:
         f"{len(record.time)} samples, usually {1e3 * usual_gap:.3g} ms apart, mean speed "
         f"{speed:.2g} mm/s{pauses}",
     )
+    if cut := describe_cut_turns(record):
+        yield note(COARSE, cut)
     fewest = min((c.last - c.first for c in full), default=limits.few_samples)
     if fewest < limits.few_samples:
         message = (
@@ -564,6 +560,9 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
     if speed <= limits.fastest and speed / rubber > limits.fastest_rate:
         message = f"the mean speed is {speed:.4g} mm/s, a strain rate of {speed / rubber:.3g} 1/s: "
         yield warn("speed", f"{message}is time in minutes or ms labelled s?")
+    d_y = float(bearing.hysteresis.yield_displacement)
+    if coarse := describe_coarse_samples(record, d_y):
+        yield warn(COARSE, coarse)
     file_thickness = record.rubber_thickness
     if file_thickness is not None and abs(file_thickness - rubber) > limits.other_rubber * rubber:
         message = (
@@ -575,25 +574,18 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
         measured = compute_measures(record, record.force, bearing.area, rubber)
     except InputError:  # a cycle with too few samples, which the check of sampling has refused
         return
-    modulus = largest_by(measured, lambda m: m.amplitude_mm).G_eq_MPa
-    stated = f"the equivalent shear modulus at the largest amplitude is {modulus:.3g} MPa"
+    modulus = float(
+        np.mean([measured[k].G_eq_MPa for k in property_cycles([level_amplitudes(record)])[0]])
+    )
+    stated = (
+        "the equivalent shear modulus at the largest amplitude, the mean of its cycles without the "
+        f"first if there are more, is {modulus:.3g} MPa"
+    )
     if not limits.softest <= modulus <= limits.stiffest:
         comparison = "less than any rubber" if modulus < limits.softest else "more than any bearing"
-        yield refuse("unit", f"{stated}, {comparison} has{_suspected_slip(modulus, strain)}")
+        yield refuse("unit", f"{stated}, {comparison} has{suspected_slip(modulus, strain)}")
     else:
         yield note("unit", stated)
-
-
-def _suspected_slip(modulus: float, strain: float) -> str:
-    """Return the mistakes in units that would explain a modulus [MPa] and a strain."""
-    limits = check_limits()
-    mistakes = [
-        f"{mistake} ({modulus * force_factor / length_factor:.3g} MPa)"
-        for force_factor, length_factor, mistake in SLIPS
-        if limits.softest < modulus * force_factor / length_factor < limits.stiffest
-        and limits.smallest_strain < strain * length_factor < limits.largest_strain
-    ]
-    return f"; is {' or '.join(mistakes)}?" if mistakes else ""
 
 
 def _check_conditioning(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:

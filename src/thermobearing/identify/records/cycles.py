@@ -1,7 +1,7 @@
 """Noise, reversals and cycles of a record, and its loops in the test and in the model."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple
@@ -120,6 +120,40 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
             last_amplitude = amplitude
         cycles.append(Cycle(ends.first, ends.last, amplitude, number, closing))
     return cycles
+
+
+def level_amplitudes(record: TestRecord) -> dict[int, float]:
+    """Return the amplitude [mm] of each full cycle by its number in the record, from 0.
+
+    Closing cycles stop the motion and belong to no level. As the only amplitude that tests have in
+    common they would stand for the bearing, at a tenth of the strain of the levels.
+    """
+    return {
+        number: cycle.amplitude
+        for number, cycle in enumerate(full_cycles(record))
+        if not cycle.closing
+    }
+
+
+def property_cycles(amplitudes: Sequence[Mapping[int, float]]) -> list[list[int]]:
+    """Return the numbers of the cycles of each test that its properties are means over."""
+    common = [
+        size
+        for size in amplitudes[0].values()
+        if all(
+            any(abs(amplitude / size - 1.0) < SAME for amplitude in test.values())
+            for test in amplitudes
+        )
+    ]
+    places = []
+    for test in amplitudes:
+        size = max(common) if common else max(test.values())
+        same_amplitude = [
+            number for number, amplitude in test.items() if abs(amplitude / size - 1.0) < SAME
+        ]
+        # The first cycle of an amplitude is stiffer (scragging) and is left out if there are more.
+        places.append(same_amplitude[1:] or same_amplitude)
+    return places
 
 
 def compute_measures(

@@ -6,6 +6,17 @@ from pydantic import Field
 
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, in_unit
+from thermobearing.border.units import conversion
+
+TONF = conversion("tonf", "kN")[0]
+SLIPS = (  # factors on force and displacement that would correct a mistake, and the mistake
+    (TONF, 1.0, "force in tonf labelled kN"),
+    (1.0 / TONF, 1.0, "force in kN labelled tonf"),
+    (1e-3, 1.0, "force in N labelled kN"),
+    (1e3, 1.0, "force in kN labelled N"),
+    (1.0, 10.0, "displacement in cm labelled mm"),
+    (1.0, 0.1, "displacement in mm labelled cm"),
+)
 
 
 class CheckLimits(Strict):
@@ -49,3 +60,15 @@ class CheckLimits(Strict):
 def check_limits() -> CheckLimits:
     """Return the limits, read once."""
     return read_data(CheckLimits, "identify", "checks.toml")
+
+
+def suspected_slip(modulus: float, strain: float) -> str:
+    """Return the mistakes in units that would explain a modulus [MPa] and a strain."""
+    limits = check_limits()
+    mistakes = [
+        f"{mistake} ({modulus * force_factor / length_factor:.3g} MPa)"
+        for force_factor, length_factor, mistake in SLIPS
+        if limits.softest < modulus * force_factor / length_factor < limits.stiffest
+        and limits.smallest_strain < strain * length_factor < limits.largest_strain
+    ]
+    return f"; is {' or '.join(mistakes)}?" if mistakes else ""

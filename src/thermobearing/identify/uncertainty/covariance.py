@@ -17,8 +17,9 @@ from thermobearing.core.records import Floats
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.fit.parameters import Parameter, at_one_temperature
 from thermobearing.identify.fit.problem import AT_BOUND, BLOCK_TURN, Linear, Problem, linearise
-from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
+from thermobearing.identify.records.cycles import estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.turns import describe_coarsest
 from thermobearing.identify.uncertainty.groups import (
     AMBIENT,
     CELLS,
@@ -69,7 +70,6 @@ SURELY = 3.0  # ... and by so many standard errors
 ROUNDING = 1e-9  # a parameter nearer to zero is at it
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 NOISY = 0.1  # of d_y: such noise changes the force after a reversal by a tenth of the strength
-RESOLVED = 0.5  # of d_y: the step between samples at a reversal that resolves the tip of a loop
 
 
 class Assumed(NamedTuple):
@@ -428,8 +428,9 @@ def estimate(
         # Of the residuals under the loss, which the warnings of a misfit are about.
         rms=float(np.sqrt(np.mean(linear.residuals**2))),
     )
-    warnings = _signal_warnings(problem.records, problem.pset.bearing(cube))
-    warnings += _warnings(problem, uncertainty)
+    d_y = float(problem.pset.bearing(cube).hysteresis.yield_displacement)
+    warnings = _signal_warnings(problem.records, d_y)
+    warnings += _warnings(problem, uncertainty, d_y)
     misfit = _misfit(problem, uncertainty)
     return replace(uncertainty, warnings=warnings, misfit=misfit)
 
@@ -465,7 +466,7 @@ def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: flo
     )
 
 
-def _warnings(problem: Problem, uncertainty: Uncertainty) -> list[str]:
+def _warnings(problem: Problem, uncertainty: Uncertainty, d_y: float) -> list[str]:
     """Return warnings of bounds, weak and correlated parameters, and tests that are too similar."""
     warnings, estimates = _test_warnings(problem), uncertainty.estimates
     coefficients = [estimates[key] for key in (kinds.M_T, kinds.N_T) if key in estimates]
@@ -476,18 +477,26 @@ def _warnings(problem: Problem, uncertainty: Uncertainty) -> list[str]:
             f"{values} describes a rubber that stiffens as it warms: are the ambient temperatures "
             "of the tests swapped?"
         )
+    # Rates act on the steep branch after a turn, which the samples must resolve.
+    coarse = describe_coarsest(problem.records, d_y, also_sharp=True)
+    remedies = {
+        key: f"{kinds.remedy(kinds.KINDS[key])}, and denser samples: {coarse}"
+        for key in (kinds.K_V, kinds.C_V)
+        if coarse
+    }
     for item in estimates.values():
         kind = item.parameter.kind
         value = 0.0 if abs(item.value) < ROUNDING else item.value
         values = f"{kind.symbol} = {value:.3g} {kind.unit}".strip()
+        remedy = remedies.get(kind.key, kinds.remedy(kind))
         if not item.determined:
             warnings.append(
                 f"{kind.symbol} cannot be determined from these tests: its value, "
-                f"{f'{value:.3g} {kind.unit}'.strip()}, is {item.where}. {kinds.remedy(kind)}"
+                f"{f'{value:.3g} {kind.unit}'.strip()}, is {item.where}. {remedy}"
             )
         elif item.relative_error > POOR:
             error = f"its standard error is {item.relative_error:.0%}"
-            warnings.append(f"{values} is poorly determined, {error}. {kinds.remedy(kind)}")
+            warnings.append(f"{values} is poorly determined, {error}. {remedy}")
     for i, j in zip(*np.triu_indices(len(estimates), 1), strict=True):
         rho, pair = (
             float(uncertainty.correlation[i, j]),
@@ -567,14 +576,14 @@ def _suspicion(item: Evidence, bearing: Bearing, peak: float) -> str:
     return f"{words} ({item.group.cause})" if item.group.cause else words
 
 
-def _signal_warnings(records: Sequence[TestRecord], bearing: Bearing) -> list[str]:
+def _signal_warnings(records: Sequence[TestRecord], d_y: float) -> list[str]:
     """Return warnings of displacements that are too noisy, or sampled too rarely, for intervals.
 
-    Each kind is about its worst test. The scale is the displacement d_y, within which the force
-    changes after a reversal.
+    Each kind is about its worst test. The scale is the displacement d_y [mm], within which the
+    force changes after a reversal.
     """
-    d_y, warnings = float(bearing.hysteresis.yield_displacement), []
-    too_narrow = "The 95 % intervals of G_e, h_eq and K_d are too narrow"
+    warnings = []
+    too_narrow = "The 95 % intervals of s, d_y, K_v, c_v, G_e, h_eq and K_d are too narrow"
     noises = [estimate_noise(record.displacement) for record in records]
     worst = place_of_largest(noises)
     if noises[worst] > NOISY * d_y:
@@ -584,32 +593,9 @@ def _signal_warnings(records: Sequence[TestRecord], bearing: Bearing) -> list[st
             "contain no error of the displacement. Filter the displacement before it is sampled, "
             f"or measure it with a noise below {NOISY * d_y:.2g} mm"
         )
-    steps = [_step_at_reversals(record) for record in records]
-    worst = place_of_largest(steps)
-    if steps[worst] > d_y:
-        rate = 1.0 / float(np.median(np.diff(records[worst].time)))
-        needed = rate * steps[worst] / (RESOLVED * d_y)
-        warnings.append(
-            f"{records[worst].name}: the displacement changes by {steps[worst]:.2g} mm from one "
-            f"sample to the next at the reversals, more than d_y = {d_y:.3g} mm. {too_narrow}, "
-            f"because {rate:.3g} Hz do not resolve the tips of the loops. Record the test at "
-            f"{needed:.2g} Hz or more"
-        )
+    if coarse := describe_coarsest(records, d_y):
+        warnings.append(f"{coarse}. {too_narrow}")
     return warnings
-
-
-def _step_at_reversals(record: TestRecord) -> float:
-    """Return the median, over the reversals, of the larger step to a neighbouring sample [mm].
-
-    It is the speed over the sampling rate in triangular cycles, and far less in sines. 0 without
-    a reversal.
-    """
-    x = record.displacement
-    turns = turning_points(x, max(dead_band(x), BLOCK_TURN * record.peak_displacement))[1:-1]
-    if len(turns) == 0:
-        return 0.0
-    before, after = np.abs(x[turns] - x[turns - 1]), np.abs(x[turns + 1] - x[turns])
-    return float(np.median(np.maximum(before, after)))
 
 
 def _test_warnings(problem: Problem) -> list[str]:
