@@ -230,6 +230,46 @@ def test_gravity_then_displacement_control_then_earthquake_in_space() -> None:
     assert result.energy["heat_released_kN_mm"][0] > 0.5 * result.energy["work_in_kN_mm"][0]
 
 
+def test_axial_force_of_a_model_in_space(measured: Recorder) -> None:
+    """A dead load on a slender bearing that shakes, against a cyclic test along the same way."""
+    slender = tb.new_bearing("slender", "shen-hdr", plan="350x350mm", layers="8x17mm", shim="4 mm")
+    weight, steps, shears, ways = 1200.0, 400, [], [0.0]
+    with serve(slender, ambient=AMBIENT, axial="node") as line:
+        ops.wipe()
+        ops.model("basic", "-ndm", 3, "-ndf", 6)
+        ops.node(1, 0.0, 0.0, 0.0)
+        ops.node(2, 0.0, 0.0, 0.0, "-mass", MASS, *[0.0] * 5)
+        ops.fix(1, *[1] * 6)
+        ops.fix(2, 0, 1, 0, 1, 1, 1)
+        ops.element(*line.element(101, (1, 2), vertical=3))
+        ops.timeSeries("Linear", 1)
+        ops.pattern("Plain", 1, 1)
+        ops.load(2, 0.0, 0.0, -weight, 0.0, 0.0, 0.0)
+        analyse("LoadControl", 0.25, tolerance=1e-11, **PLAIN)
+        assert ops.analyze(4) == 0
+        ops.loadConst("-time", 0.0)
+        ops.wipeAnalysis()
+        ops.timeSeries("Path", 2, "-dt", DT, "-values", *GROUND)
+        ops.pattern("UniformExcitation", 2, 1, "-accel", 2)
+        analyse(tolerance=1e-11, **PLAIN)
+        for _ in range(steps):
+            assert ops.analyze(1, DT) == 0
+            ways.append(ops.nodeDisp(2, 1))
+            shears.append(ops.eleForce(101)[6])
+        ops.wipe()
+        result = line.results()
+    assert result["axial_force"].values[0, -steps:] == pytest.approx(weight, rel=1e-6)
+    history = DT * np.arange(steps + 1), np.array(ways)
+    options = {"ambient": AMBIENT, "dt": 1.5 * DT, "axial_force": weight}
+    right = tb.run(slender, history, axial="constant", **options)
+    plain = tb.run(slender, history, **options)
+    error = off(np.array(shears), right["force"].values[0, 1:])
+    effect = off(plain["force"].values[0, 1:], right["force"].values[0, 1:])
+    assert error < tol.OPENSEES_SERVED
+    assert effect > 0.01
+    measured("axial force of a node in OpenSees", f"{error:.1e}", f"{tol.OPENSEES_SERVED:g}")
+
+
 INTERRUPTED = """
 import signal, sys
 from tests.cross_code.test_opensees_serve import *

@@ -249,7 +249,7 @@ def _save_after_kill(
     "serve",
     fields(
         "opensees.case:ServedCase",
-        "ambient initial count units rate",
+        "ambient initial count units axial joint rate",
         INPUT,
     ),
     fields("model.options:ModelOptions", "model state", MODEL),
@@ -305,7 +305,7 @@ def _serve(
         case = make_served_case({}, "command line", bearing=bearing, **options)
     directions = tuple(direction or (1,))
     layout = Layout.of(1 if pairs is None else pairs, directions, vertical, "command line")
-    case.new_bearing(len(directions))  # raises for options that a plane does not have
+    case.check_layout(layout, "command line")
     target = end.target(f"serve-{case.bearing.name}")
 
     save = partial(_save_after_kill, case, target, end)

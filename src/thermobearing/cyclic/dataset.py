@@ -32,7 +32,7 @@ from thermobearing.cyclic.case import Case, beyond, rig_demand
 from thermobearing.cyclic.history import History, Segment
 from thermobearing.cyclic.protocol import Cycles, PlanePath, lengths, survey
 from thermobearing.cyclic.result import COMPONENT, CYCLES, Result, column_quantity, run_name
-from thermobearing.model.axial import axial_peaks
+from thermobearing.model.axial import axial_peaks, unstable_warning
 from thermobearing.model.checks import (
     axial_checks,
     check_rows,
@@ -55,7 +55,7 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
-from thermobearing.quantities.warned import ASSUMED, EXCEEDED, UNUSABLE, Warned
+from thermobearing.quantities.warned import ASSUMED, UNUSABLE, Warned
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import (
@@ -320,12 +320,7 @@ def _unstable_runs(climates: list[Ambient], histories: list[History]) -> list[Wa
         if history.axial is None or history.outcome != UNSTABLE:
             continue
         peak = axial_peaks(history.rows.response["clock"], history.axial)["analysis"]
-        sentence = (
-            f"{run_name(climate.at(0.0))} is unstable: the axial force exceeds the critical load "
-            f"for {peak.duration:.3g} s, first at {peak.first:.4g} s, most at {peak.time:.4g} s "
-            f"({peak.force:.4g} kN, critical load {peak.limit:.4g} kN)"
-        )
-        unstable.append(Warned(sentence, "unstable", EXCEEDED))
+        unstable.append(unstable_warning(run_name(climate.at(0.0)), peak))
     return unstable
 
 

@@ -16,6 +16,7 @@ from thermobearing.model.checks import axial_checks, check_rows
 from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.quantities.warned import ASSUMED, EXCEEDED, OTHER, UNUSABLE, Warned
 from thermobearing.quantities.words import joined
 from thermobearing.results.base import COMPLETED
@@ -42,7 +43,6 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.run import Task
 
 
-VALID_UNTIL = "valid_until_s"  # column of the table of runs
 EARLIER = 1e-9  # [s] by which rounding may move a step
 NEAR = 0.8  # of a limit of axial forces, from which on a warning says so
 LEAST_STEPS = 10.0  # of a period of vertical motion

@@ -15,12 +15,13 @@ from thermobearing.bearing.undecided import UNDECIDED_OF, band, band_text
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures
-from thermobearing.earthquake.axial import VALID_UNTIL, axial_table
+from thermobearing.earthquake.axial import axial_table
 from thermobearing.earthquake.motions import rotation_frame
 from thermobearing.earthquake.properties import periods_table
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import NOTE, VALID_UNTIL, invalid_marks
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.metrics import BALANCE
@@ -275,9 +276,8 @@ def _peaks_table(
     if any(elsewhere):  # the strain of another line than the one with the largest
         marked["bearing_strain_max"] = list(map(gt, marked["bearing_strain_max"], elsewhere))
         marked["motion"] = list(map(or_, marked["motion"], elsewhere))
-    if VALID_UNTIL in frame:
-        invalid = frame[VALID_UNTIL].notna()
-        marked |= {name: list(map(or_, marked.get(name, invalid), invalid)) for name in names}
+    for name, invalid in invalid_marks(frame, names).items():
+        marked[name] = list(map(or_, marked.get(name, invalid), invalid))
     causes = sorted(TESTED[limit][1] for limit in other_limits)
     if any(elsewhere):
         causes.append("strain of other lines")
@@ -313,7 +313,7 @@ def _peaks_sentences(
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
         sentences.append("The energy ratio is relative to the warmest run.")
     if VALID_UNTIL in frame:
-        sentences.append('Peaks of unstable runs that are later than "Valid until" are no results.')
+        sentences.append(NOTE)
     if result.has_parts:
         sentences.append(f"Every peak is the largest of all {joined(_plurals(result))}.")
     return sentences

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, NamedTuple, TypeVar, cast
+from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
 
 import numpy as np
 
@@ -16,13 +16,23 @@ from thermobearing.bearing.model import Bearing, CircularPlan, Geometry, LeadCor
 from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
-from thermobearing.core.axial import Column, axial_march, buckling_load, layer_compression
+from thermobearing.core.axial import (
+    Column,
+    axial_march,
+    buckling_load,
+    layer_compression,
+    tension,
+)
 from thermobearing.core.records import Floats, Rows, filled, rows
 from thermobearing.core.types import AxialResponse, Constants
 from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.warned import EXCEEDED, Warned
 
 F = TypeVar("F", bound=Callable[..., Any])
 AxialFactor = Literal["overlap", "potential"]
+Joint = Literal["bolted", "dowelled"]
+BOLTED: Final[Joint] = "bolted"
+DOWELLED: Final[Joint] = "dowelled"
 
 
 @cache
@@ -227,6 +237,17 @@ def overlap_area(plan: Plan, displacement: Floats) -> Floats:
     return np.asarray(overlap[..., 0] * overlap[..., 1])
 
 
+def tension_law(
+    column: Column, extension: float, stiffness: float, strength: float, memory: float
+) -> tuple[float, float]:
+    """Return tension [kN] and tangent [kN/mm] of a bolted bearing at an extension [mm].
+
+    Arguments are those of `core.axial.tension`, for callers that compute a step at a time.
+    """
+    pulled, tangent = _in_python(tension)(column, extension, stiffness, strength, memory)
+    return float(pulled), float(tangent)
+
+
 def axial_rows(
     columns: Rows[Column],
     constants: Constants,
@@ -280,7 +301,19 @@ def axial_peak(clock: Floats, force: Floats, limit: Floats) -> AxialPeak:
     return AxialPeak(float(share[place]), *at_peak, first, duration)
 
 
-def axial_peaks(clock: Floats, axial: Rows[AxialResponse]) -> dict[str, AxialPeak]:
+def unstable_warning(run: str, peak: AxialPeak) -> Warned:
+    """Return when and by how much the axial force of a run exceeds its critical load."""
+    sentence = (
+        f"{run} is unstable: the axial force exceeds the critical load "
+        f"for {peak.duration:.3g} s, first at {peak.first:.4g} s, most at {peak.time:.4g} s "
+        f"({peak.force:.4g} kN, critical load {peak.limit:.4g} kN)"
+    )
+    return Warned(sentence, "unstable", EXCEEDED)
+
+
+def axial_peaks(
+    clock: Floats, axial: Rows[AxialResponse] | dict[str, Floats]
+) -> dict[str, AxialPeak]:
     """Return the peaks of a history of axial forces, as `axial_checks` takes them."""
     peaks = {"analysis": axial_peak(clock, axial["axial_force"], axial["critical_load"])}
     # Cavitation is a limit of tension, and compression has no share in it.

@@ -23,6 +23,7 @@ from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.model.axial import (
+    Joint,
     axial_stiffness,
     compression_modulus,
     find_section,
@@ -36,6 +37,7 @@ from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.wire import MOST_DOFS
 
 UnitNames = Literal["kN-mm", "kN-m", "N-mm", "N-m", "MN-m", "kip-in", "lbf-in"]
+Axial = Literal["off", "node"]
 IN_SPACE = 6  # degrees of freedom of a node
 HORIZONTAL = (1, 2, 3)
 
@@ -66,6 +68,10 @@ class ServedCase(Strict):
     count : number of equal bearings side by side that an element stands for, in [1, 1000].
     units : force and length of the OpenSees model, such as "kN-mm" (default), "kN-m" or "N-m"; the
         time is in s and rotations are in rad.
+    axial : whether the axial force between the nodes acts on the shear force: "off" (default), or
+        "node", for elements with a vertical direction, whose positive side is up.
+    joint : with `axial = "node"`: "bolted" (default), whose rubber cavitates in tension, or
+        "dowelled", which lifts.
     rate : speed [mm/s] at which a static analysis moves the bearing, in [1e-6, 1e6]. Steps without
         any velocity then last as long as this speed needs. By default the time of the model is the
         clock of the bearing in static analyses too, and must advance.
@@ -79,6 +85,8 @@ class ServedCase(Strict):
     initial_state: SpecimenState | None = None
     count: Annotated[int, Field(ge=1, le=1000)] = 1
     units: UnitNames = "kN-mm"
+    axial: Axial | None = None  # None: off
+    joint: Joint | None = None  # None: bolted
     rate: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
     analysis: ModelOptions = ModelOptions()
     sources: dict[str, dict[str, str]] | None = None
@@ -86,6 +94,22 @@ class ServedCase(Strict):
     def to_toml(self) -> str:
         """Return the case with every default filled in, as TOML; reads back to the same bits."""
         return to_toml(self)
+
+    @property
+    def has_axial(self) -> bool:
+        """Whether the axial force acts on the shear force."""
+        return self.axial == "node"
+
+    def check_layout(self, layout: "Layout", where: str) -> None:
+        """Raise InputError for an element that this bearing cannot be."""
+        if self.has_axial and layout.vertical is None:
+            raise InputError(
+                'axial = "node": the element needs its vertical direction; give vertical, one of '
+                "the degrees of freedom 1, 2 and 3 of nodes with six",
+                where,
+            )
+        if len(layout.directions) > 1:
+            self.new_bearing(len(layout.directions))  # raises for what a plane does not have
 
     def new_bearing(self, components: int = 1) -> BearingElement:
         """Return a bearing at the start, on a line or in a plane (two components)."""
@@ -108,6 +132,8 @@ def make_served_case(
     faults = [f"analysis.{text}" for text in case.analysis.misfits(case.bearing)]
     if case.analysis.model == "bilinear":
         faults.append('analysis.model = "bilinear": use bilinear bounds (thermobearing lambda)')
+    if case.joint is not None and not case.has_axial:
+        faults.append('joint: needs axial = "node"')
     if case.initial is not None and case.initial_state is not None:
         faults.append("give initial or initial_state, not both")
     if faults:
@@ -183,8 +209,8 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
     factor S of one layer, c = 6 for round and 6.73 for other plans and the bulk modulus K
     (data/materials/vertical.toml). G is the secant modulus of the rubber of this bearing at 100 %
     shear strain and the temperature at the start, in the first loading. A single lead core in the
-    centre of a round plan is left out of A and I; other cores count as rubber. Tension, buckling
-    and the interaction of axial force and shear are neglected.
+    centre of a round plan is left out of A and I; other cores count as rubber. With
+    `axial = "node"` the vertical spring is that of opensees/axial.py instead.
 
     Examples
     --------
@@ -208,7 +234,10 @@ def linear_stiffness(case: ServedCase) -> LinearStiffness:
 
 
 def spring_constants(layout: Layout, case: ServedCase) -> Floats:
-    """Return the linear springs of an element by degree of freedom [kN, mm, rad], zero in shear."""
+    """Return the linear springs of an element by degree of freedom [kN, mm, rad].
+
+    They are zero in shear, and in the vertical direction where the axial force acts.
+    """
     constants = np.zeros(len(layout.dofs))
     if layout.vertical is None:
         return constants
@@ -220,6 +249,6 @@ def spring_constants(layout: Layout, case: ServedCase) -> Floats:
     by_dof |= {first + 3: stiffness.rotation[0], second + 3: stiffness.rotation[1]}
     by_dof[layout.vertical + 3] = stiffness.torsion
     for place, dof in enumerate(layout.dofs):
-        if dof not in layout.directions:
+        if dof not in layout.directions and not (case.has_axial and dof == layout.vertical):
             constants[place] = by_dof[dof]
     return constants

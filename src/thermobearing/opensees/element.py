@@ -12,7 +12,10 @@ from typing import Any
 import numpy as np
 
 from thermobearing.core.records import Floats
+from thermobearing.model.axial import DOWELLED
 from thermobearing.model.element import BearingElement
+from thermobearing.model.outcomes import UNSTABLE
+from thermobearing.opensees.axial import ServedColumn
 from thermobearing.opensees.case import Layout, ServedCase, Units, spring_constants
 from thermobearing.opensees.recording import Journal, Label, Recording, Served
 from thermobearing.opensees.wire import Action, Request
@@ -65,6 +68,13 @@ class ServedElement:
             [(2 * pair * d + place, (2 * pair + 1) * d + place) for place in places]
             for pair in range(layout.pairs)
         ]
+        self._vertical_ends: list[
+            tuple[int, int]
+        ] = []  # of each bearing, where its axial force acts
+        if case.has_axial and layout.vertical is not None:
+            place = layout.dofs.index(layout.vertical)
+            pairs = range(layout.pairs)
+            self._vertical_ends = [(2 * k * d + place, (2 * k + 1) * d + place) for k in pairs]
         self._finished: list[Recording] = []
         self.note = ""  # what the user should know about the steps so far
         self._begin()
@@ -73,11 +83,20 @@ class ServedElement:
         """Put new bearings at the start."""
         components = len(self.layout.directions)
         self._bearings = [self.case.new_bearing(components) for _ in self._ends]
+        dowelled = self.case.joint == DOWELLED
+        self._columns = [
+            ServedColumn(self.case.bearing, bearing, dowelled=dowelled)
+            for bearing, _ in zip(self._bearings, self._vertical_ends, strict=False)
+        ]
+        starts = [column.row for column in self._columns] or [None] * len(self._bearings)
         self._recordings = [
             Recording(
-                Label(self.tag, pair, self.layout.directions, self.run), bearing, self._journal
+                Label(self.tag, pair, self.layout.directions, self.run),
+                bearing,
+                self._journal,
+                start,
             )
-            for pair, bearing in enumerate(self._bearings, 1)
+            for pair, (bearing, start) in enumerate(zip(self._bearings, starts, strict=True), 1)
         ]
         response = [bearing.state.response for bearing in self._bearings]
         self._committed = [np.ravel(row["displacement"]).tolist() for row in response]
@@ -92,6 +111,9 @@ class ServedElement:
         self._last_trial: tuple[Any, ...] = ()
         self._problem = ""
         self._trial_displacement: list[float] = [0.0] * self.layout.size
+        self._targets = list(self._committed)
+        self._extensions = [0.0] * len(self._columns)
+        self._set_trial_axial()
         self._trial_forces, self._trial_tangents = list(self._forces), list(self._tangents)
 
     def reset(self) -> None:
@@ -156,6 +178,11 @@ class ServedElement:
             ]
             for ends, origin in zip(self._ends, self._origins, strict=True)
         ]
+        self._targets = targets
+        self._extensions = [
+            self._length_factor * (x[second] - x[first]) for first, second in self._vertical_ends
+        ]
+        self._set_trial_axial()
         distance = max(map(math.dist, targets, self._committed))
         # A gravity stage displaces bearings a little without velocity; more than that is a
         # static analysis, whose time may be a load factor.
@@ -176,11 +203,22 @@ class ServedElement:
         for k, (bearing, target) in enumerate(zip(self._bearings, targets, strict=True)):
             response = _trial_response(bearing, target, dt)
             self._trial_forces[k], self._trial_tangents[k], outcome = response
-            self._recordings[k].outcome = outcome
+            self._recordings[k].outcome = self._outcome(k, outcome)
             if outcome != "completed":
                 where = ", ".join(f"{x:.6g}" for x in target)
                 self._problem = f"the step to {where} mm in {dt:.3g} s ended: {outcome}"
                 return
+
+    def _set_trial_axial(self) -> None:
+        """Pull or press the bearings, with the law of the committed state."""
+        # Kept until the next trial: OpenSees asks for the force of a step after its commit too,
+        # when the law is already that of the next step.
+        components = len(self.layout.directions)
+        extended = zip(self._columns, self._extensions, strict=True)
+        self._trial_axial = [
+            (column.trial(extension), column.reduction[:components])
+            for column, extension in extended
+        ]
 
     def _duration(self, time: float, distance: float, moving: bool) -> float:
         """Return how long a step lasts [s]; zero where there is nothing to compute."""
@@ -203,17 +241,36 @@ class ServedElement:
         self._raise_problem()
         duration, self._time = self._trial_time - self._time, self._trial_time
         if not self._pending:
+            self._commit_axial()  # a gravity stage with a rate moves nothing in shear
             return
         # With a rate, the duration is not that of the model, and the note would mislead.
         if self._static_step and self.case.rate is None and not self.note:
             self.note = NO_VELOCITY.format(duration)
         for k, bearing in enumerate(self._bearings):
             bearing.commit()
-            self._recordings[k].keep(self._trial_time, bearing)
             self._committed[k] = np.ravel(bearing.state.response["displacement"]).tolist()
+        self._commit_axial()
+        rows = [column.row for column in self._columns] or [None] * len(self._bearings)
+        for recording, bearing, row in zip(self._recordings, self._bearings, rows, strict=True):
+            recording.keep(self._trial_time, bearing, row)
         self._forces, self._tangents = list(self._trial_forces), list(self._trial_tangents)
         self._pending = False
         self._last_trial = ()  # the same trial again is a step from the new committed state
+
+    def _commit_axial(self) -> None:
+        """Accept the axial forces of the last trial."""
+        for k, column in enumerate(self._columns):
+            column.commit(self._extensions[k])
+            self._recordings[k].outcome = self._outcome(k, "completed")
+
+    def _outcome(self, k: int, outcome: str) -> str:
+        """Return the outcome of a bearing whose last step had an outcome."""
+        if not self._columns or self._columns[k].outcome == "completed":
+            return outcome
+        # What follows from a bearing that has buckled does not hide it.
+        if outcome == "completed" or self._columns[k].outcome == UNSTABLE:
+            return self._columns[k].outcome
+        return outcome
 
     def _vector(self) -> Floats | list[float]:
         """Return the resisting forces, in the units and the order of the client."""
@@ -222,6 +279,14 @@ class ServedElement:
             for (first, second), force in zip(ends, forces, strict=True):
                 forces_of_dofs[second] = self._force_factor * force
                 forces_of_dofs[first] = -forces_of_dofs[second]
+        for k, (lower, upper) in enumerate(self._vertical_ends):
+            axial, reduction = self._trial_axial[k]
+            shear = [kappa * x for kappa, x in zip(reduction, self._targets[k], strict=True)]
+            for (first, second), force in zip(self._ends[k], shear, strict=True):
+                forces_of_dofs[second] -= self._force_factor * force
+                forces_of_dofs[first] += self._force_factor * force
+            forces_of_dofs[upper] = -self._force_factor * axial.force
+            forces_of_dofs[lower] = -forces_of_dofs[upper]
         if not self._any_linear:
             return forces_of_dofs
         x = np.reshape(self._trial_displacement, (self.layout.pairs, 2, -1))
@@ -241,6 +306,11 @@ class ServedElement:
             spring = np.diag(self._linear)
             places = [first - 2 * pair * d for first, _ in ends]
             spring[np.ix_(places, places)] += scale * np.asarray(tangent)
+            if self._vertical_ends:
+                axial, reduction = self._trial_axial[pair]
+                spring[places, places] -= scale * np.array(reduction)
+                vertical = self._vertical_ends[pair][0] - 2 * pair * d
+                spring[vertical, vertical] = scale * axial.tangent
             block = slice(2 * pair * d, 2 * (pair + 1) * d)
             stiffness[block, block] = np.kron([[1.0, -1.0], [-1.0, 1.0]], spring)
         return stiffness

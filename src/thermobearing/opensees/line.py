@@ -17,10 +17,11 @@ from typing import Any, NoReturn, Self, Unpack
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, ThermobearingError
+from thermobearing.model.axial import Joint
 from thermobearing.model.element import DEFAULT_AMBIENT
 from thermobearing.model.handover import SpecimenState
 from thermobearing.model.options import ModelKeywords, ModelOptions, model_table
-from thermobearing.opensees.case import Layout, ServedCase, UnitNames, make_served_case
+from thermobearing.opensees.case import Axial, Layout, ServedCase, UnitNames, make_served_case
 from thermobearing.opensees.recording import JOURNAL, Journal, Served
 from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.wire import Setup
@@ -98,7 +99,8 @@ class Line:
         vertical : the vertical one of the degrees of freedom 1, 2 and 3 of nodes with six. The
             element then has vertical, rotational and torsional springs (`linear_stiffness`) and,
             with one of `directions`, a linear spring in the other horizontal direction. By default
-            it has the springs of `directions` only.
+            it has the springs of `directions` only. With `axial = "node"` it is needed, its
+            positive side is up, and the vertical spring follows the axial force.
         size : least length of a message [doubles], OpenSees' dataSize.
 
         Returns
@@ -127,8 +129,7 @@ class Line:
                 f"element(): tag = {tag}: had other nodes or directions in this line; use another "
                 "tag"
             )
-        if len(layout.directions) > 1:
-            self.case.new_bearing(2)  # raises for options that a plane does not have
+        self.case.check_layout(layout, "element()")
         if not port:
             port = self._ask("listen", layout, tag, limit=READY)
             self._layouts[tag] = layout, port
@@ -325,6 +326,8 @@ def serve(
     *,
     count: int = 1,
     units: UnitNames = "kN-mm",
+    axial: Axial | None = None,
+    joint: Joint | None = None,
     rate: float | None = None,
     initial: float | SpecimenState | None = None,
     model: ModelOptions | str | None = None,
@@ -339,6 +342,9 @@ def serve(
     count : number of equal bearings that an element stands for, in [1, 1000].
     units : force and length of the model, "kN-mm" (default), "kN-m", "N-mm", "N-m", "MN-m",
         "kip-in" or "lbf-in"; the time of the model must be in s.
+    axial : whether the axial force of the nodes acts on the shear force: "off" (default) or "node",
+        for elements with `vertical`.
+    joint : of bearings in tension with `axial = "node"`: "bolted" (default) or "dowelled".
     rate : speed of static analyses [mm/s], in [1e-6, 1e6]; needed for displacement control, where
         the time of the model is a load factor. By default the time of the model is the clock.
     initial : temperature at the start [degC], by default the ambient temperature; or the state at
@@ -369,6 +375,8 @@ def serve(
         ambient=ambient,
         count=count,
         units=units,
+        axial=axial,
+        joint=joint,
         rate=rate,
         initial=None if state else initial,
         initial_state=initial if state else None,

@@ -33,9 +33,17 @@ class Served(NamedTuple):
     response: dict[
         str, Floats
     ]  # of core.types.BearingResponse; energies are those of both directions
+    axial: dict[str, Floats]  # of core.types.AxialResponse; empty unless the axial force acts
     rubber: Floats  # temperatures of the layers [degC]
     initial: Floats  # temperatures of the cells [degC]
     final: Floats
+
+
+def layer_temperatures(bearing: BearingElement) -> Floats:
+    """Return the temperatures of the rubber layers at mid-thickness [degC]."""
+    cells, temperature = bearing.constants.layer_cells, bearing.state.temperature
+    middle: Floats = 0.5 * (temperature[cells["upper_middle"]] + temperature[cells["lower_middle"]])
+    return middle
 
 
 class Label(NamedTuple):
@@ -47,6 +55,15 @@ class Label(NamedTuple):
     run: int
 
 
+class Row(NamedTuple):
+    """A committed step of one bearing."""
+
+    time: float  # of the model
+    response: Any  # one record of core.types.BearingResponse
+    rubber: Floats
+    axial: Any  # one record of core.types.AxialResponse, or None
+
+
 class Part(NamedTuple):
     """Consecutive committed steps of one bearing."""
 
@@ -56,6 +73,7 @@ class Part(NamedTuple):
     time: Floats
     response: Any  # records of core.types.BearingResponse
     rubber: Floats
+    axial: Any  # records of core.types.AxialResponse, or None
     initial: Floats
     final: Floats  # after the last of these steps
     discarded: bool = False  # the history is not wanted: a gravity stage before a reset
@@ -120,6 +138,7 @@ def merge(parts: Sequence[Part]) -> list[Served]:
     response = {name: response_table[name].copy() for name in response_table.dtype.names or ()}
     time = np.concatenate([part.time for part in parts])
     rubber = np.concatenate([part.rubber for part in parts])
+    axial = [_axial_of(parts, place) for place in range(len(last.label.directions))]
     return [
         Served(
             tag=last.label.tag,
@@ -128,10 +147,14 @@ def merge(parts: Sequence[Part]) -> list[Served]:
             run=last.label.run,
             outcome=last.outcome,
             time=time,
-            response={
-                key: column[:, place] if column.ndim > 1 else column
-                for key, column in response.items()
-            },
+            response=_pressed(
+                {
+                    key: column[:, place] if column.ndim > 1 else column
+                    for key, column in response.items()
+                },
+                axial[place],
+            ),
+            axial=axial[place],
             rubber=rubber,
             initial=last.initial,
             final=last.final,
@@ -140,29 +163,50 @@ def merge(parts: Sequence[Part]) -> list[Served]:
     ]
 
 
+def _axial_of(parts: Sequence[Part], place: int) -> dict[str, Floats]:
+    """Return what the axial force does to a bearing in its first or second direction."""
+    if parts[-1].axial is None:
+        return {}
+    table = np.concatenate([part.axial for part in parts])
+    columns = {name: table[name].copy() for name in table.dtype.names or ()}
+    if place:
+        columns["stiffness_reduction"] = columns["stiffness_reduction_y"]
+    return columns
+
+
+def _pressed(response: dict[str, Floats], axial: dict[str, Floats]) -> dict[str, Floats]:
+    """Return a response whose force is less by what the axial force takes, as in cyclic tests."""
+    if not axial:
+        return response
+    taken = axial["stiffness_reduction"] * response["displacement"]
+    return response | {"force": response["force"] - taken}
+
+
 class Recording:
     """The ends of all committed steps of a bearing."""
 
-    def __init__(self, label: Label, bearing: BearingElement, journal: Journal | None) -> None:
+    def __init__(
+        self, label: Label, bearing: BearingElement, journal: Journal | None, axial: Any = None
+    ) -> None:
         self.label, self._journal = label, journal
-        cells = bearing.constants.layer_cells
-        self._upper, self._lower = cells["upper_middle"], cells["lower_middle"]
+        self._layers = len(bearing.constants.layer_cells)
         self._initial = bearing.state.temperature.copy()
         self._final = self._initial
         self._history = 0 if journal is None else journal.new_history()
-        self._rows: list[tuple[float, Any, Floats]] = []  # time, response, rubber
+        self._rows: list[Row] = []
+        self._no_axial = None if axial is None else axial[:0].copy()
         self._places: list[int] = []  # of the parts in the journal
         self._start = bearing.state.response["displacement"].copy()
         self._no_response = bearing.state.response[:0].copy()
         self.displaced = False  # a gravity stage alone leaves no history
         self.outcome = "completed"
-        self.keep(0.0, bearing)
+        self.keep(0.0, bearing, axial)
 
-    def keep(self, time: float, bearing: BearingElement) -> None:
-        """Append the committed state."""
+    def keep(self, time: float, bearing: BearingElement, axial: Any = None) -> None:
+        """Append the committed state; `axial` is a record of core.types.AxialResponse."""
         state = bearing.state
-        rubber = 0.5 * (state.temperature[self._upper] + state.temperature[self._lower])
-        self._rows.append((time, state.response.copy(), rubber))
+        row = Row(time, state.response.copy(), layer_temperatures(bearing), axial)
+        self._rows.append(row)
         self._final = state.temperature.copy()
         if not self.displaced:
             self.displaced = bool((state.response["displacement"] != self._start).any())
@@ -190,12 +234,15 @@ class Recording:
 
     def _part(self) -> Part:
         """Return the steps in memory; none where all have been written."""
-        time = np.array([row[0] for row in self._rows])
+        time = np.array([row.time for row in self._rows])
         response: Any = self._no_response
-        rubber = np.empty((0, len(self._upper)))
+        axial: Any = self._no_axial
+        rubber = np.empty((0, self._layers))
         if self._rows:
-            response = np.concatenate([row[1] for row in self._rows])
-            rubber = np.array([row[2] for row in self._rows])
+            response = np.concatenate([row.response for row in self._rows])
+            rubber = np.array([row.rubber for row in self._rows])
+            if axial is not None:
+                axial = np.concatenate([row.axial for row in self._rows])
         return Part(
             history=self._history,
             label=self.label,
@@ -203,6 +250,7 @@ class Recording:
             time=time,
             response=response,
             rubber=rubber,
+            axial=axial,
             initial=self._initial,
             final=self._final,
         )

@@ -16,10 +16,18 @@ from thermobearing.report.pieces import Pieces, ReportFigure
 ASSUMPTIONS = (
     "OpenSees computes the structure. Displacements of an element are those of its second node "
     "relative to its first; the duration of each step is that of the model.",
-    "Vertical, rotational and torsional springs, where an element has them, are linear and do not "
-    "depend on temperature; axial force and shear do not interact.",
     "Two directions in which an element shears act together; energies are those of both.",
 )
+
+
+SPRINGS = {  # whether the axial force acts
+    False: "Vertical, rotational and torsional springs, where an element has them, are linear and "
+    "do not depend on temperature; axial force and shear do not interact.",
+    True: "Rotational and torsional springs are linear and do not depend on temperature. The "
+    "vertical spring is that of the temperatures and the displacement of the last committed step, "
+    "and so is the part that the axial force takes from the shear force. Moments of the axial "
+    "force on the displaced bearing are neglected.",
+}
 
 
 def build_pieces(result: ServedResult) -> Pieces:
@@ -28,7 +36,7 @@ def build_pieces(result: ServedResult) -> Pieces:
     case = tomllib.loads(data.attrs["case"])
     bearing_sources = case.get("sources", {}).get(case["bearing"]["name"])
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
-    input_keys = ("ambient", "initial", "count", "units", "rate")
+    input_keys = ("ambient", "initial", "count", "units", "axial", "joint", "rate")
     range_rows = result.tested_range.to_dict("records")
     inputs: dict[str, Any] = {key: case[key] for key in input_keys if key in case}
     caption = content.figure_captions("serve")["elements"]
@@ -37,7 +45,7 @@ def build_pieces(result: ServedResult) -> Pieces:
         f"{case['bearing']['name']} in an OpenSees model",
         _question(result, case),
         _answer(result),
-        checks=content.limit_checks(range_rows, content.IN_EARTHQUAKES, source),
+        checks=reported.result_checks(result, case, content.IN_EARTHQUAKES, source),
         rate_rows=range_rows,
         residuals=reported.residual_rows(result.energy, case["analysis"]),
         inputs={
@@ -50,6 +58,7 @@ def build_pieces(result: ServedResult) -> Pieces:
         energy=energy_table(result.energy),
         assumptions=[
             *ASSUMPTIONS,
+            SPRINGS[case.get("axial") == "node"],
             *reported.model_assumptions(case["analysis"], [case["bearing"]]),
         ],
         **content.result_parts(result, str(data.attrs["case"]), "serve"),

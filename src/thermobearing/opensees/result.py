@@ -17,20 +17,25 @@ from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels, stacked
 from thermobearing.cyclic.tables import energy_table
+from thermobearing.model.axial import BOLTED, DOWELLED, AxialPeak, axial_peaks, unstable_warning
+from thermobearing.model.checks import axial_checks, check_rows, failed_checks
 from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import build_model
-from thermobearing.model.outcomes import SENTENCES
+from thermobearing.model.outcomes import AXIAL_SENTENCES, SENTENCES, UNSTABLE
+from thermobearing.opensees.axial import axial_columns
 from thermobearing.opensees.case import ServedCase
 from thermobearing.opensees.element import CONNECTION_FAILED
 from thermobearing.opensees.recording import Served
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import NOTE, VALID_UNTIL, invalid_marks
 from thermobearing.quantities.warned import UNUSABLE, Warned
+from thermobearing.reported import bearing_check_tables
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
 from thermobearing.results.metrics import BALANCE, balance_row
-from thermobearing.results.ranges import compare_with_tests, outside_tests, reached_by
+from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import (
     as_attribute,
     labelled_dataset,
@@ -49,11 +54,19 @@ COLUMNS = (
     "ambient_degC",
     "strain_max",
     quantity("bearing_force_max_kN", head="Largest force"),
+    "axial_force_min_kN",
+    "critical_share",
+    "cavitation_share",
+    "uplift_mm",
+    VALID_UNTIL,
     "energy_kN_mm",
     "rubber_highest_degC",
     "lead_highest_degC",
     "steps",
 )
+
+
+INVALID = ("strain_max", "bearing_force_max_kN", "energy_kN_mm")  # after a bearing is unstable
 
 
 class ServedResult(DatasetResult):
@@ -158,11 +171,32 @@ class ServedResult(DatasetResult):
                 "rubber_highest_degC": float(layers.max()),
                 "rubber_end_degC": float(layers[-1].max()),
             }
+            row |= self._axial_extremes(run)
             if self.has_lead:
                 row["lead_highest_degC"] = float(history["lead_degC"].max())
                 row["lead_end_degC"] = float(history["lead_degC"].iloc[-1])
             rows.append(row)
         return pd.DataFrame(rows)
+
+    def _axial_extremes(self, run: int) -> dict[str, float]:
+        """Return what the axial force of a history reaches; nothing where it does not act."""
+        if "axial_force" not in self.dataset:
+            return {}
+        rows, data = len(self.time(run)), self.dataset.isel(element=run)
+        axial = {name: data[name].values[:rows] for name in axial_columns()}
+        # Beyond cavitation the force hardly rises, so that the extension says how far it goes.
+        extension = -axial["shortening"] * axial["vertical_stiffness"] / axial["cavitation_force"]
+        dowelled = self.dataset.attrs["joint"] == DOWELLED
+        extremes = {
+            "axial_force_min_kN": float(axial["axial_force"].min()),
+            "critical_share": float((axial["axial_force"] / axial["critical_load"]).max()),
+            "cavitation_share": 0.0 if dowelled else float(extension.max(initial=0.0)),
+            "uplift_mm": float(-axial["shortening"].min(initial=0.0)) if dowelled else 0.0,
+        }
+        valid_until = self.dataset[VALID_UNTIL].values
+        if np.isfinite(valid_until).any():
+            extremes[VALID_UNTIL] = float(valid_until[run])
+        return extremes
 
     @cached_property
     def energy(self) -> "pd.DataFrame":
@@ -180,8 +214,16 @@ class ServedResult(DatasetResult):
     def tables(self) -> dict[str, Table]:
         """Return the extremes of all elements, and their energy balance."""
         columns = [name for name in COLUMNS if not isinstance(name, str) or name in self.table]
-        extremes = make_table(self.table, columns, "Extremes of one bearing of each element")
-        return {"elements": extremes, "energy": energy_table(self.energy)}
+        marked = invalid_marks(self.table, INVALID)
+        extremes = make_table(
+            self.table,
+            columns,
+            "Extremes of one bearing of each element",
+            marked=marked,
+            note=NOTE if marked else "",
+        )
+        checks = bearing_check_tables(self)
+        return {"elements": extremes, **checks, "energy": energy_table(self.energy)}
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
@@ -225,6 +267,11 @@ def _dataset(
     for name, unit, text in stack.response:
         values = stacked([h.response[name] for h in histories])
         data[name] = (by_step, values, {"units": unit, "long_name": text})
+    if case.has_axial:
+        for name, attributes in axial_columns().items():
+            data[name] = (by_step, stacked([h.axial[name] for h in histories]), attributes)
+        firsts = [peaks["analysis"].first for peaks in _axial_peaks(histories)]
+        data[VALID_UNTIL] = (by_element, np.array(firsts))
     data["strain"] = (by_step, data["displacement"][1] / case.bearing.total_rubber_thickness)
     data["rubber_temperature"] = ((*by_step, "layer"), stacked([h.rubber for h in histories]))
     data["initial_temperature"] = (("element", "cell"), np.array([h.initial for h in histories]))
@@ -241,12 +288,17 @@ def _dataset(
         "cell": ("cell", np.arange(1, len(stack.depth) + 1)),
         "depth": ("cell", stack.depth, depth_attributes(model.stack.fold == 2)),
     }
-    attributes = _attributes(case, model, histories, warnings)
-    dataset = labelled_dataset(data, coordinates, attributes)
+    described = _attributes(case, model, histories, warnings)
+    dataset = labelled_dataset(data, coordinates, described)
     for key, variable in dataset.variables.items():
         if not variable.attrs:
             variable.attrs = dict(quantity(str(key)).attributes)
     return dataset
+
+
+def _axial_peaks(histories: Sequence[Served]) -> list[dict[str, AxialPeak]]:
+    """Return the largest shares of the limits of the axial force in each history."""
+    return [axial_peaks(history.response["clock"], history.axial) for history in histories]
 
 
 def _outside_law(
@@ -264,13 +316,10 @@ def _outside_law(
     return outside_law(bearing.name, bearing.temperature_law, runs, source)
 
 
-def _attributes(
-    case: ServedCase, model: Any, histories: Sequence[Served], warnings: Sequence[str]
-) -> dict[str, Any]:
-    """Return provenance, warnings and the calibration range as attributes."""
-    bearing, constants = case.bearing, model.constants
-    ranges, names, rows = calibration_ranges(bearing), _labels(histories), []
-    for name, history in zip(names, histories, strict=True):
+def _tested_rows(case: ServedCase, histories: Sequence[Served]) -> list[Row]:
+    """Compare histories with the calibration range of the bearing."""
+    bearing, rows = case.bearing, []
+    for name, history in zip(_labels(histories), histories, strict=True):
         clock, x = history.response["clock"], history.response["displacement"]
         # Steps of the shortest duration, in which the model's time stands still, have no speed
         # that a test could be compared with.
@@ -284,7 +333,31 @@ def _attributes(
             ambient=(case.ambient, case.ambient),
             lead=history.response["lead_temperature"] if bearing.lead else None,
         )
-        rows += compare_with_tests(name, reached, ranges)
+        rows += compare_with_tests(name, reached, calibration_ranges(bearing))
+    return rows
+
+
+def _axial_findings(
+    case: ServedCase, histories: Sequence[Served]
+) -> tuple[list[dict[str, Any]], list[Warned]]:
+    """Return checks of axial forces as rows, and warnings of bearings that became unstable."""
+    rows, unstable = [], []
+    labelled = zip(_labels(histories), histories, _axial_peaks(histories), strict=True)
+    for name, history, peaks in labelled:
+        element = f"element {name}"
+        rows += check_rows(element, case.bearing.name, axial_checks(peaks))
+        if history.outcome == UNSTABLE:
+            unstable.append(unstable_warning(element, peaks["analysis"]))
+    return rows, unstable
+
+
+def _attributes(
+    case: ServedCase, model: Any, histories: Sequence[Served], warnings: Sequence[str]
+) -> dict[str, Any]:
+    """Return provenance, warnings and the calibration range as attributes."""
+    bearing, constants, names = case.bearing, model.constants, _labels(histories)
+    ranges, rows = calibration_ranges(bearing), _tested_rows(case, histories)
+    checks, unstable = _axial_findings(case, histories) if case.has_axial else ([], [])
     factors = exposures([bearing], case.analysis.exposure)
     states = states_table({bearing.name: (bearing, case.analysis.state)})
     lead = constants.lead.cores * constants.lead.capacity if bearing.lead else 0.0
@@ -307,6 +380,8 @@ def _attributes(
                 *describe_all(factors),
                 *describe_states(states),
                 *_outside_law(case, names, histories),
+                *failed_checks(checks),
+                *unstable,
                 *outside_tests(
                     bearing.name, rows, ranges, never_tested=is_never_tested(bearing.sources)
                 ),
@@ -314,8 +389,11 @@ def _attributes(
             ]
         ),
         **({"tested_range": rows} if rows else {}),
+        **({"bearing_checks": checks, "joint": case.joint or BOLTED} if case.has_axial else {}),
         **exposure_attribute(factors),
         **state_attribute(states),
-        "sentences": SENTENCES | {CONNECTION_FAILED: FAILED_SENTENCE},
+        "sentences": SENTENCES
+        | (AXIAL_SENTENCES if case.has_axial else {})
+        | {CONNECTION_FAILED: FAILED_SENTENCE},
     }
     return {key: as_attribute(value) for key, value in attributes.items()}

@@ -22,6 +22,7 @@ from thermobearing.border.library import Library, Sourced, data_path
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import parse_quantity
+from thermobearing.model.axial import Joint
 from thermobearing.structure.connections.model import AnyDevice, DeviceTable
 from thermobearing.structure.fields import GROUND, Force, Height, Length, Name, Stiffness
 
@@ -148,7 +149,7 @@ class AxialTable(Strict):
     dead_load: Annotated[tuple[Force, ...], ONE_OR_SEVERAL, Field(min_length=1)]
     places: Annotated[tuple[Length, ...], Field(min_length=1)] | None = None
     deck_height: Annotated[float, in_unit("mm"), Field(gt=0, le=1e6)] | None = None
-    joint: Literal["bolted", "dowelled"] = "bolted"
+    joint: Joint = "bolted"
     dowel_length: Annotated[float, in_unit("mm"), Field(gt=0, le=1e5)] | None = None
     mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)] | None = None
     damping_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.03

@@ -1,0 +1,217 @@
+"""Served bearings whose axial force, from their nodes, acts on the shear force."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import thermobearing as tb
+from thermobearing.core.types import Floats
+from thermobearing.model.axial import compression_constants
+from thermobearing.opensees.case import Layout, ServedCase, make_served_case
+from thermobearing.opensees.element import ServedElement
+from thermobearing.opensees.recording import ROWS_IN_MEMORY, Journal
+from thermobearing.opensees.result import ServedResult
+from thermobearing.opensees.wire import Action, Request
+
+LINE, PLANE = Layout.of(1, (1,), 3, "test"), Layout.of(1, (1, 2), 3, "test")
+TOP = 6  # place of the first degree of freedom of the upper node
+DT = 0.02  # s
+TIME = DT * np.arange(1, 201)
+GROWING = np.minimum(TIME / 2.0, 1.0)
+X = 180.0 * np.sin(0.5 * math.pi * TIME) * GROWING  # mm
+Y = 60.0 * np.sin(0.7 * math.pi * TIME) * GROWING
+P = 900.0 + 800.0 * np.sin(3.0 * math.pi * TIME)  # kN
+
+
+@pytest.fixture(scope="module")
+def slender() -> tb.Bearing:
+    return tb.new_bearing("slender", "shen-hdr", plan="350x350mm", layers="8x17mm", shim="4 mm")
+
+
+def case(bearing: tb.Bearing, **given: object) -> ServedCase:
+    return make_served_case({}, "test", bearing=bearing, **({"axial": "node"} | given))
+
+
+class Driver:
+    """Moves the upper node of an element.
+
+    Numbers here are of one bearing in mm and kN; `length` [mm] and `force` [1/kN] are those of the
+    model and of the bearings side by side.
+    """
+
+    def __init__(self, element: ServedElement, length: float = 1.0, force: float = 1.0) -> None:
+        self.element, self._length, self._force = element, length, force
+
+    def _request(self, action: Action, place: Floats, time: float) -> Request:
+        n = self.element.layout.size
+        x = [0.0] * TOP + (place / self._length).tolist()
+        return Request(action, x, [1.0] * n, [0.0] * n, time)
+
+    def ask(self, place: Floats, time: float) -> tuple[Floats, Floats]:
+        """Return forces on the upper node and the tangent at a trial."""
+        self.element.answer(self._request(Action.SET_TRIAL, place, time))
+        force = np.asarray(self.element.answer(self._request(Action.FORCE, place, time)))
+        tangent = np.asarray(self.element.answer(self._request(Action.TANGENT, place, time)))
+        assert force[:TOP] == pytest.approx(-force[TOP:])
+        stiffness = tangent.reshape(2 * TOP, 2 * TOP)[TOP:, TOP:] / (self._force * self._length)
+        return force[TOP:] / self._force, stiffness
+
+    def step(self, place: Floats, time: float) -> Floats:
+        force, _ = self.ask(place, time)
+        self.element.answer(self._request(Action.COMMIT, place, time))
+        # Recorders ask for the force of a step after its commit.
+        after = np.asarray(self.element.answer(self._request(Action.FORCE, place, time)))
+        assert (after[TOP:] / self._force == force).all()
+        return force
+
+    def pressed(self, x: float, y: float, force: float, time: float) -> Floats:
+        """Commit a step in which the axial force has a value in compression."""
+        place = np.array([x, y, 0.0, 0.0, 0.0, 0.0])
+        _, tangent = self.ask(place, time)
+        place[2] = -force / tangent[2, 2]
+        return self.step(place, time)
+
+
+def follow(element: ServedElement, length: float = 1.0, force: float = 1.0) -> Floats:
+    """Forces on the upper node along the histories above."""
+    driver = Driver(element, length, force)
+    y = Y if len(element.layout.directions) > 1 else 0.0 * Y
+    return np.array([driver.pressed(*row) for row in zip(X, y, P, TIME, strict=True)])
+
+
+def cyclic(bearing: tb.Bearing, components: int) -> tb.Result:
+    """The same in a cyclic test with prescribed axial forces."""
+    time = np.concatenate([[0.0], TIME])
+    path = [np.concatenate([[0.0], side]) for side in (X, Y)[:components]]
+    axial_force = time.tolist(), [0.0, *P.tolist()]
+    return tb.run(bearing, (time, *path), ambient=-20.0, dt=DT, axial_force=axial_force)
+
+
+@pytest.mark.parametrize("layout", [LINE, PLANE])
+def test_the_law_is_that_of_cyclic_tests(slender: tb.Bearing, layout: Layout) -> None:
+    components = len(layout.directions)
+    expected = cyclic(slender, components)
+    served = case(slender, ambient=-20.0)
+    element = ServedElement(served, layout, 1)
+    forces = follow(element)
+    right = expected["force"].values[0, 1:].reshape(len(TIME), -1)
+    peak = np.abs(right).max()
+    assert np.abs(forces[:, :components] - right).max() < 1e-9 * peak
+    assert np.abs(-forces[:, 2] - P).max() < 1e-9 * P.max()
+    taken = np.abs(expected["stiffness_reduction"].values[0, 1:] * X).max()
+    assert taken > 0.05 * peak  # the axial force matters
+    result = ServedResult.of(served, element.histories())
+    for k in range(components):
+        assert np.abs(result["force"].values[k, 1:] - right[:, k]).max() < 1e-9 * peak
+    for name in ("critical_load", "vertical_stiffness", "cavitation_force", "lent"):
+        values = expected[name].values[0]
+        assert result[name].values[0] == pytest.approx(values, rel=1e-9, abs=1e-9)
+
+
+def test_units_count_and_journal_change_nothing(slender: tb.Bearing, tmp_path: Path) -> None:
+    assert len(TIME) < ROWS_IN_MEMORY
+    one = ServedElement(case(slender, ambient=-20.0), LINE, 1)
+    right = follow(one)
+    with (tmp_path / "histories").open("w+b") as file:
+        journal = Journal(file)
+        served = case(slender, ambient=-20.0, units="N-m", count=3)
+        three = ServedElement(served, LINE, 1, journal=journal)
+        forces = follow(three, length=1e3, force=3e3)
+        three.flush()
+        (written,) = journal.histories()
+    assert forces == pytest.approx(right, rel=1e-9, abs=1e-9)
+    assert written.axial["axial_force"][1:] == pytest.approx(P, rel=1e-9)
+    assert written.response["force"][1:] == pytest.approx(right[:, 0], rel=1e-9, abs=1e-9)
+
+
+def test_tangent_is_the_slope_of_the_force(slender: tb.Bearing) -> None:
+    driver = Driver(ServedElement(case(slender), PLANE, 1))
+    driver.pressed(90.0, 30.0, 1500.0, 0.5)
+    place, h = np.array([95.0, 33.0, -0.4, 0.0, 0.0, 0.0]), 1e-6
+    _, tangent = driver.ask(place, 0.6)
+    for axis in range(3):
+        moved = np.eye(6)[axis] * h
+        slope = (driver.ask(place + moved, 0.6)[0] - driver.ask(place - moved, 0.6)[0]) / (2 * h)
+        assert slope == pytest.approx(tangent[:, axis], rel=1e-4, abs=1e-4)
+
+
+def test_bolted_bearings_cavitate_and_dowelled_ones_lift(slender: tb.Bearing) -> None:
+    bolted = Driver(ServedElement(case(slender), LINE, 1))
+    start = bolted.element.histories()[0].axial
+    strength, stiffness = start["cavitation_force"][0], start["vertical_stiffness"][0]
+    reach = strength / stiffness  # extension of cavitation [mm]
+    law = compression_constants()
+    k, phi = 0.01, law["cavitation_damage"]
+    rubber = slender.total_rubber_thickness
+    up = np.array([0.0, 0.0, 3.0 * reach, 0.0, 0.0, 0.0])
+    pulled = bolted.step(up, 1.0)[2]
+    beyond = (1.0 - math.exp(-k * 2.0 * reach)) / (k * rubber)
+    assert pulled == pytest.approx(strength * (1.0 + beyond), rel=1e-9)
+    weakened = strength * (1.0 - phi * (1.0 - math.exp(-2.0)))
+    first = weakened / stiffness
+    assert bolted.step(up * first / (3.0 * reach), 2.0)[2] == pytest.approx(weakened, rel=1e-9)
+    (history,) = bolted.element.histories()
+    assert history.outcome == "cavitated"
+
+    served = case(slender, joint="dowelled")
+    dowelled = Driver(ServedElement(served, LINE, 1))
+    assert dowelled.step(up, 1.0)[2] == 0.0
+    assert dowelled.step(-up, 2.0)[2] < 0.0
+    dowelled.step(np.array([5.0, *up[1:]]), 3.0)
+    result = ServedResult.of(served, dowelled.element.histories())
+    assert result.outcome == "completed"
+    assert result.table["uplift_mm"][0] == pytest.approx(3.0 * reach)
+    assert result.table["cavitation_share"][0] == 0.0
+
+
+def test_an_unstable_bearing_is_marked(slender: tb.Bearing) -> None:
+    served = case(slender)
+    element = ServedElement(served, LINE, 7)
+    driver = Driver(element)
+    driver.pressed(20.0, 0.0, 500.0, 1.0)
+    assert element.histories()[0].outcome == "completed"
+    driver.pressed(250.0, 0.0, 3000.0, 2.0)
+    driver.pressed(10.0, 0.0, 100.0, 4.0)
+    result = ServedResult.of(served, element.histories())
+    assert result.outcome == "unstable"
+    row = result.table.iloc[0]
+    assert row["critical_share"] > 1.0
+    assert row["valid_until_s"] == 2.0
+    (warning,) = (text for text in result.warnings if getattr(text, "code", "") == "unstable")
+    assert "element 7" in warning
+    table = result.tables()["elements"]
+    marked = {table.columns[place].name for _, place in table.marked}
+    assert {"strain_max", "bearing_force_max_kN"} <= marked
+    assert (result.bearing_checks["used"] > 1.0).any()
+    driver.element.reset()
+    assert element.histories()[-1].outcome == "completed"
+
+
+def test_a_gravity_stage_with_a_rate_presses_the_bearing(slender: tb.Bearing) -> None:
+    element = ServedElement(case(slender, rate=10.0), LINE, 1)
+    down = [0.0] * (TOP + 2) + [-1.0, 0.0, 0.0, 0.0]
+    still = [0.0] * (2 * TOP)
+    for action in (Action.SET_TRIAL, Action.FORCE, Action.COMMIT):
+        element.answer(Request(action, down, still, still, 1.0))
+    moved = [*down]
+    moved[TOP] = 5.0
+    reduced = {}
+    for axial in ("node", "off"):
+        other = element if axial == "node" else ServedElement(case(slender, axial=axial), LINE, 1)
+        other.answer(Request(Action.SET_TRIAL, moved, [1.0] * (2 * TOP), still, 1.5))
+        reduced[axial] = np.asarray(other.answer(Request(Action.FORCE, moved, still, still, 1.5)))
+    assert reduced["node"][TOP] < reduced["off"][TOP]
+
+
+@pytest.mark.parametrize("given", [{"joint": "dowelled", "axial": None}, {"axial": "dead"}])
+def test_options_that_do_not_fit_are_refused(slender: tb.Bearing, given: dict[str, object]) -> None:
+    with pytest.raises(tb.InputError):
+        case(slender, **given)
+
+
+def test_an_element_without_vertical_direction_is_refused(slender: tb.Bearing) -> None:
+    with pytest.raises(tb.InputError, match="vertical"):
+        case(slender).check_layout(Layout.of(1, (1,), None, "test"), "test")
+    case(slender, axial="off").check_layout(Layout.of(1, (1,), None, "test"), "test")
