@@ -356,7 +356,7 @@ def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:
         ('speed = "3 mm/s"\nsampling = "3 Hz"\n', "either speed or sampling"),
         ('[columns]\nforce = "Kraft"\n', 'no column "Kraft"'),
         ('[units]\nforce = "mm"\n', "cannot be converted"),
-        ('[columns]\nForce = "x"\n', "known: ambient, displacement, force, time"),
+        ('[columns]\nForce = "x"\n', "known: ambient, axial_force, displacement, force, time"),
         ('[thermocouples]\nT = "steel 1"\n', "must be"),
         ("lines_before = 900\n", "lines"),
     ],

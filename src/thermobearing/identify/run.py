@@ -25,7 +25,7 @@ from thermobearing.identify.case import (
     Test,
     make_identify_case,
 )
-from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.fit.forward import ForwardModel, Prediction, unstable_tests
 from thermobearing.identify.fit.parameters import (
     KINDS,
     M_T,
@@ -140,7 +140,11 @@ def run_identify(case: IdentifyCase) -> Identification:
         raise InputError("the model did not complete these tests with any of the parameters tried")
     covered = _range_of_tests(records, predictions, base.total_rubber_thickness)
     uncertainty = estimate(problem, cube, chosen_groups(case.assumed))
-    uncertainty.warnings[:0] = [*temperature_warnings, *_left_open(undetermined, base)]
+    uncertainty.warnings[:0] = [
+        *temperature_warnings,
+        *_left_open(undetermined, base),
+        *unstable_tests(records, predictions),
+    ]
     method = "least-squares" if case.search is None else _name_of_search(case.search)
     names = ("seed", "starts", "loss", "temperatures", "start_from", "polish")
     inputs: dict[str, Any] = {"start": case.bearing.name, "method": method}

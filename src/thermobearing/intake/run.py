@@ -29,7 +29,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import SIDECARS, check_target
 from thermobearing.results.figure_style import Wanted
 from thermobearing.results.screen import say, show_table
-from thermobearing.tables.guess import ColumnGuess
+from thermobearing.tables.guess import AXIAL, ColumnGuess
 from thermobearing.tables.laboratory import COLUMNS, KEY, Readings, description, read_laboratory
 from thermobearing.tables.text import SEPARATORS
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 FEWEST_LAYERS = 2  # of a template without a bearing
 FEWEST = 10  # smallest number of rows of a test
 TABLES = ("columns", "units", "thermocouples")
-USED = (*COLUMNS, "strain")
+USED = (*COLUMNS, AXIAL, "strain")
 HEADS = [Quantity(head) for head in ("column", "unit", "used as", "reason")]
 
 

@@ -33,7 +33,9 @@ from thermobearing.tables.columns import (
 from thermobearing.tables.text import LARGEST_FILE, Form, Sheet, is_stamp
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
-ACROSS = "displacement_y"  # of a motion in a plane: never guessed
+ACROSS = "displacement_y"  # of a motion in a plane
+AXIAL = "axial_force"  # of a test
+BY_TITLE = {ACROSS: "mm", AXIAL: "kN"}  # never guessed: columns that a caller or a sidecar names
 SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
@@ -113,7 +115,7 @@ def guessed_columns(
     columns = [_examined(table, number, layout) for number in range(len(table.titles))]
     places_of_titles = {name: find_title(table.titles, t) for name, t in layout.titles.items()}
     stated_quantities = {
-        at: name for name, at in places_of_titles.items() if name in (*UNITS, ACROSS)
+        at: name for name, at in places_of_titles.items() if name in (*UNITS, *BY_TITLE)
     }
     taken: Taken = {
         c.number: (stated_quantities[c.number], "sidecar")
@@ -407,7 +409,7 @@ def _described(
     unit = layout.units.get(quantity or column.title, unit)
     place = assumed = ""
     if quantity:
-        assumed = "" if unit or column.stamped else UNITS.get(quantity, "mm")
+        assumed = "" if unit or column.stamped else (UNITS | BY_TITLE)[quantity]
     elif column.title in places:
         quantity, reason, place = "temperature", "sidecar", places[column.title]
         assumed = "" if unit else "degC"

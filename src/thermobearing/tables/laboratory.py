@@ -31,6 +31,8 @@ from thermobearing.tables.columns import (
 from thermobearing.tables.conditioning import PLACE, Conditioning, Temperature
 from thermobearing.tables.guess import (
     ACROSS,
+    AXIAL,
+    BY_TITLE,
     DOUBTFUL,
     ColumnGuess,
     HeaderTemperature,
@@ -63,8 +65,10 @@ class BlockFile(Strict):
 class Sidecar(Conditioning):
     """The settings of a test: keys of the TOML file (sidecar) of a table of samples.
 
-    `columns` gives the file's own titles of time, displacement, force and ambient, `units` their
-    units where the titles do not state them. `thermocouples` maps a title to "rubber 1" (the
+    `columns` gives the file's own titles of time, displacement, force, ambient and axial_force,
+    `units` their units where the titles do not state them. `axial` says whether the axial force,
+    positive in compression, acts on the shear force of the model: that of `axial_force`
+    ("constant"), or that of the column ("history"). `thermocouples` maps a title to "rubber 1" (the
     outer layer), "rubber 2", ... or "lead". `separator` (tab, blank, a semicolon, a comma),
     `decimal`, `encoding` and `sheet` are detected where they are not given. The keys of
     `Conditioning` state how long the specimen was in its chamber.
@@ -79,6 +83,8 @@ class Sidecar(Conditioning):
     scragged: bool | None = None
     bearing: str | None = None
     ambient: Temperature | None = None
+    axial_force: Annotated[float, in_unit("kN"), Field(ge=-1e6, le=1e6)] | None = None
+    axial: Literal["off", "constant", "history"] | None = None  # None: off
     ambient_uncertainty: Annotated[float, in_unit("K"), Field(ge=0, le=20)] | None = None
     lines_before: Annotated[int, Field(ge=0, le=1000)] = 0
     lines_after: Annotated[int, Field(ge=0, le=1000)] = 0
@@ -110,12 +116,20 @@ class Sidecar(Conditioning):
         # May have any type here; it is validated later.
         tables = {key: value for key, value in values.items() if isinstance(value, dict)}
         places = tables.get("thermocouples", {})
-        for key, accepted in (("columns", {*COLUMNS}), ("units", {*COLUMNS, *places})):
+        named = {*COLUMNS, AXIAL}
+        for key, accepted in (("columns", named), ("units", {*named, *places})):
             unknown = sorted(set(tables.get(key, {})) - accepted)
             if unknown:
                 faults.append(
                     f"{key}: unknown {unknown[0]!r}; known: {', '.join(sorted(accepted))}"
                 )
+        if values.get("axial") == "constant" and "axial_force" not in values:
+            faults.append('axial = "constant": needs axial_force, such as "800 kN"')
+        if values.get("axial") == "history" and AXIAL not in tables.get("columns", {}):
+            faults.append(
+                'axial = "history": needs the title of the column of the axial force: '
+                'axial_force = "..." in [columns]'
+            )
         faults += [
             f'thermocouples.{title} = {place!r}: must be "rubber 1", ... or "lead"'
             for title, place in places.items()
@@ -403,7 +417,10 @@ class _Reader:
     ) -> tuple[Layout, dict[str, str]]:
         """Return the layout with what was guessed, and the wanted units; a motion has no force."""
         titles, units = dict(layout.titles), dict(layout.units)
-        units_by_name = {**COLUMNS, **{title: "degC" for title in titles if title not in COLUMNS}}
+        units_by_name = {
+            **COLUMNS,
+            **{title: BY_TITLE.get(title, "degC") for title in titles if title not in COLUMNS},
+        }
         if "force" in self.optional:
             units_by_name = {name: units_by_name[name] for name in ("time", "displacement")}
             units_by_name |= dict.fromkeys(self.across, COLUMNS["displacement"])

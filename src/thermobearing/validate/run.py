@@ -25,7 +25,7 @@ from thermobearing.border.toml import to_table
 from thermobearing.border.units import is_number
 from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
 from thermobearing.identify.comparison import Comparison
-from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.fit.forward import ForwardModel, unstable_tests
 from thermobearing.identify.records.checks import NOT_NEEDED, CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, load_test, reached_values
 from thermobearing.identify.result import Identification
@@ -128,6 +128,9 @@ def _judge(
             for record in records
         ]
         warnings += describe_all(exposures([bearing], None))
+        predictions = [item.prediction for item in bearing_comparisons]
+        tests = [item.record for item in bearing_comparisons]
+        warnings += dict.fromkeys(unstable_tests(tests, predictions))
         rows = [row for item in bearing_comparisons for row in item.compared]
         never = is_never_tested(bearing.sources)
         ranges = calibration_ranges(bearing)

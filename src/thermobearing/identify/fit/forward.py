@@ -7,6 +7,7 @@ and the force between two steps is interpolated along the displacement. No step 
 the noise of the displacement: jitter is not motion. A turn between two samples is a step too.
 """
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,12 +19,14 @@ from thermobearing.bearing.ambient import Ambient
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats, Ints
+from thermobearing.core.types import Constants, Kept
 from thermobearing.cyclic.conditioning import soaked_start
 from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.cyclic.history import Segment, run_segments
 from thermobearing.identify.records.cycles import TURN, dead_band, turning_points
 from thermobearing.identify.records.record import PAUSE, TestRecord
 from thermobearing.identify.records.turns import find_cut_turns
+from thermobearing.model.axial import axial_rows, column_of
 from thermobearing.model.constants import with_parameters
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.outcomes import INTERRUPTED
@@ -42,6 +45,7 @@ class Prediction:
     force: Floats  # [kN]
     temperatures: dict[str, Floats]  # by title of the thermocouple [degC]
     lead: tuple[float, float] | None = None  # coldest and warmest lead in the run [degC]
+    critical_share: float | None = None  # largest axial force over the critical load
 
 
 class _Grid(NamedTuple):
@@ -144,6 +148,19 @@ def _grid(record: TestRecord, fine: bool) -> _Grid:
     )
 
 
+def unstable_tests(
+    records: Sequence[TestRecord], predictions: Sequence[Prediction | None]
+) -> list[str]:
+    """Return a sentence for each test whose axial force exceeds the critical load of the model."""
+    return [
+        f"{record.name}: the axial force exceeds the critical load of the model, to "
+        f"{prediction.critical_share:.2f} of it; the shear law under axial force is not valid "
+        "there. Leave the test out, or cut off the part with the largest displacements"
+        for record, prediction in zip(records, predictions, strict=True)
+        if prediction is not None and (prediction.critical_share or 0.0) > 1.0
+    ]
+
+
 class ForwardModel:
     """The model of one record, for many bearings that differ in parameters only.
 
@@ -171,7 +188,14 @@ class ForwardModel:
         self._conditioning = record.conditioning if ambient is None else None
         self._ambient = Ambient.constant(self._chamber)
         self._initial, self._initial_lead = self._start(bearing)
-        self._groups = ("rubber",) if record.places else ()
+        self._bearing = bearing
+        self._groups = ("rubber",) if record.places or record.axial is not None else ()
+        if record.axial is not None and options is not None and options.model == "bilinear":
+            raise InputError(
+                'axial: model "bilinear" has no rubber layers; use model "multi-layer", or axial = '
+                '"off" in the sidecar',
+                record.file or record.name,
+            )
         self._layers = self._thermocouples(bearing)
         self.ended = ""  # outcome of the last run
 
@@ -180,6 +204,7 @@ class ForwardModel:
         forward = copy(self)
         model = build_model(bearing, self._options, backbone=bilinear_parameters)
         forward._stack, forward._constants = model.stack, model.constants
+        forward._bearing = bearing
         forward._initial, forward._initial_lead = forward._start(bearing)
         return forward
 
@@ -242,7 +267,22 @@ class ForwardModel:
             for title, layer in self._layers.items()
         }
         ends = (float(lead.min()), float(lead.max())) if constants.lead.cores > 0.0 else None
-        return Prediction(self._at_samples(balance["force"]), temperatures, ends)
+        force, share = balance["force"], None
+        if self.record.axial is not None:
+            force, share = self._pressed(bearing or self._bearing, constants, history.rows)
+        return Prediction(self._at_samples(force), temperatures, ends, share)
+
+    def _pressed(self, bearing: Bearing, constants: Constants, rows: Kept) -> tuple[Floats, float]:
+        """Return the force less what the axial force takes, and the largest share of its limit."""
+        assert self.record.axial is not None
+        # The first step of the grid leads to the first sample.
+        clock = self.record.time[0] + rows.response["clock"] - self._grid.dt[0]
+        displacement, pressing = rows.response["displacement"], self.record.axial.at(clock)
+        axial = axial_rows(column_of(bearing), constants, displacement, pressing, rows.rubber)
+        # Steps along a leg are long here: what the axial force takes at their end is nearer to the
+        # law than what it took at their start, by which short steps compute.
+        taken = axial["next_reduction"] * displacement
+        return rows.response["force"] - taken, float((pressing / axial["critical_load"]).max())
 
     def _at_samples(self, values: Floats) -> Floats:
         grid = self._grid

@@ -8,7 +8,7 @@ import hashlib
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -26,7 +26,7 @@ from thermobearing.cyclic.conditioning import filled
 from thermobearing.quantities.words import joined
 from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
 from thermobearing.tables.conditioning import Conditioning
-from thermobearing.tables.guess import HeaderTemperature
+from thermobearing.tables.guess import AXIAL, HeaderTemperature
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
@@ -73,6 +73,17 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
     )
 
 
+class AxialRecord(NamedTuple):
+    """The axial force of a test in time."""
+
+    time: Floats  # increasing, on the clock of the record [s]
+    force: Floats  # positive in compression [kN]
+
+    def at(self, time: Floats) -> Floats:
+        """Return the axial force at some times [kN]."""
+        return np.interp(time, self.time, self.force)
+
+
 @checked
 @dataclass(frozen=True)
 class TestRecord:
@@ -111,6 +122,7 @@ class TestRecord:
     reversed_force : the sign of the readings of the force was reversed.
     digests : SHA-256 of each file that the test was read from, by its path: sidecar and tables.
     ambient_from : where `ambient` was read, if a line above the table states it.
+    axial : the axial force, where it acts on the shear force of the model; None where it does not.
     """
 
     __test__ = False  # not a test for pytest
@@ -143,6 +155,7 @@ class TestRecord:
     reversed_force: bool = False
     ambient_from: str = ""
     digests: dict[str, str] = field(default_factory=dict)
+    axial: AxialRecord | None = None
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -173,7 +186,13 @@ class TestRecord:
 
 @checked
 def record_from_arrays(
-    time: Floats, displacement: Floats, force: Floats, ambient: float, *, name: str = "test"
+    time: Floats,
+    displacement: Floats,
+    force: Floats,
+    ambient: float,
+    *,
+    name: str = "test",
+    axial_force: float | Floats | None = None,
 ) -> TestRecord:
     """Create a record from arrays; gaps in time without motion are rests.
 
@@ -183,6 +202,8 @@ def record_from_arrays(
     displacement, force : [mm], [kN], force with the sign of displacement.
     ambient : [degC].
     name : of the test in reports.
+    axial_force : on the bearing [kN], positive in compression, one number or one for each sample;
+        it then acts on the shear force of the model. By default it does not.
 
     Raises
     ------
@@ -201,7 +222,16 @@ def record_from_arrays(
     block = np.zeros(len(columns[0]), dtype=np.int64)
     x, f = columns[1], columns[2]
     temperature = check_temperature(ambient, f"{name}: ambient")
-    return TestRecord(name, columns[0], x, f, block=block, ambient=float(temperature))
+    axial = None
+    if axial_force is not None:
+        constant = np.ndim(axial_force) == 0
+        pressing = number_list(
+            np.full(len(x), axial_force) if constant else axial_force, f"{name}: axial_force"
+        )
+        if len(pressing) != len(x):
+            raise InputError("axial_force must be a number or a list as long as time", name)
+        axial = AxialRecord(columns[0], pressing)
+    return TestRecord(name, columns[0], x, f, block=block, ambient=float(temperature), axial=axial)
 
 
 @checked
@@ -279,9 +309,18 @@ def build_record(readings: Readings) -> TestRecord:
         digests={
             str(file): file_digest(file, LARGEST_MEMBER) for file in readings.files if is_file(file)
         },
+        axial=_axial(readings),
         about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
+
+
+def _axial(readings: Readings) -> AxialRecord | None:
+    """Return the axial force that acts on the shear force of the model; None without one."""
+    sidecar, time = readings.sidecar, readings.values["time"]
+    if sidecar.axial == "constant":
+        return AxialRecord(time, np.full(len(time), sidecar.axial_force))
+    return AxialRecord(time, readings.values[AXIAL]) if sidecar.axial == "history" else None
 
 
 def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> float | None:
@@ -399,6 +438,7 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         **{name: getattr(record, name) for name in WEIGHTS},
         **record.about,
         **_stated_conditioning(record.conditioning),
+        **_stated_axial(record.axial),
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
         **({"files": dict(record.digests)} if record.digests else {}),
@@ -416,6 +456,13 @@ def _stated_conditioning(conditioning: Conditioning | None) -> dict[str, Any]:
         "inside_place": conditioning.inside_place,
         "chamber_film_W_m2K": conditioning.chamber_film,
     }
+
+
+def _stated_axial(axial: AxialRecord | None) -> dict[str, Any]:
+    """Return the ends of the axial force of a record for summary.json; nothing without one."""
+    if axial is None:
+        return {}
+    return {"axial_force_kN": [float(axial.force.min()), float(axial.force.max())]}
 
 
 def reached_values(
