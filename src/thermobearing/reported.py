@@ -16,7 +16,7 @@ from thermobearing.model import checks
 from thermobearing.model.constants import SOFTENING_LEAD
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
-from thermobearing.model.outcomes import assumption_texts, heat_flow
+from thermobearing.model.outcomes import PASSED_LIMITS, assumption_texts, heat_flow
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, format_number
 from thermobearing.quantities.tables import Table, make_table
@@ -217,7 +217,9 @@ def early_end(subject: str, where: str, result: Result) -> list[str]:
 
 
 def early_sentence(subject: str, where: str, outcome: str, meaning: str) -> str:
-    """Return a sentence on an early end with its outcome and the meaning of that."""
+    """Return a sentence on an outcome and its meaning: an early end, or a limit that was passed."""
+    if outcome in PASSED_LIMITS:
+        return f"{subject} passed a limit{where} ({outcome.replace('_', ' ')}): {tidy(meaning)}"
     return (
         f"{subject} ended early{where} ({outcome.replace('_', ' ')}); the results are those "
         f"computed up to then: {tidy(meaning)}"

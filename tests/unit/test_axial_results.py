@@ -6,10 +6,14 @@ import pytest
 
 import thermobearing as tb
 from tests.verification.test_vertical import _case
+from thermobearing.cyclic.tables import ratio_table
 from thermobearing.earthquake.axial import axial_forces_change, governing_axial_line, valid_until
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.options import build_model
+from thermobearing.quantities.tables import make_table
+from thermobearing.quantities.validity import NOTE, VALID_UNTIL, with_invalid_marked
+from thermobearing.report.html import SEE_NOTE
 from thermobearing.results.screen import shown_warnings
 
 UNSTABLE_LOAD = "10500 kN"
@@ -156,3 +160,63 @@ def test_a_warning_before_a_limit():
     ]
     assert [len(sentences) for sentences in texts] == [1, 0]
     assert f"{share:.2f}" in texts[0][0]
+
+
+def _marked(table):
+    return {table.columns[place].name for _, place in table.marked}
+
+
+def test_all_tables_mark_what_an_unstable_run_gives(results):
+    """Force and displacement after the critical load was exceeded are not quoted as results."""
+    tables, light = results["unstable"].tables(), results["light"].tables()
+    assert {"bearing_strain_max", "bearing_force_max_kN"} <= _marked(tables["peaks"])
+    assert tables["peaks"].note.startswith(NOTE)
+    assert NOTE not in light["peaks"].note
+    pieces = build_pieces(results["unstable"])
+    assert pieces.answer[0].startswith("The analysis passed a limit in 1 run")
+    assert any("unstable: no result" in sentence for sentence in pieces.answer)
+
+
+def test_parts_and_the_largest_of_all_are_marked():
+    """A structure with several lines, one analysis of which is unstable."""
+    lines = pd.DataFrame(
+        {"line": ["A1", "P1"], "strain_max": [1.0, 2.0], VALID_UNTIL: [np.nan, 3.0]}
+    )
+    table = make_table(lines, ["line", "strain_max"], "Lines")
+    marked = with_invalid_marked(table, lines, ["strain_max", "absent"])
+    assert marked.marked == {(1, 1)}
+    assert marked.note == NOTE
+    assert with_invalid_marked(table, lines.drop(columns=VALID_UNTIL), ["strain_max"]) == table
+
+
+@pytest.fixture(scope="module")
+def cyclic():
+    """Cycles of growing strain, of which the last exceeds the critical load."""
+    bearing = tb.new_bearing("slender", "shen-hdr", plan="350x350mm", layers="8x17mm", shim="4 mm")
+    test = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=60, dt=0.02)
+    return tb.run(bearing, test, ambient=[23.0, -20.0], axial_force=1400.0, axial="constant")
+
+
+def test_cycles_after_instability_are_marked(cyclic, tmp_path):
+    data = cyclic.dataset
+    above = data["axial_force"].values[0] > data["critical_load"].values[0]
+    first = float(cyclic.time(0)[above.argmax()])
+    cycles = cyclic.cycles[cyclic.cycles["ambient_degC"] == 23.0]
+    assert cycles[VALID_UNTIL].isna().tolist() == [True, True, False, False]
+    assert cycles[VALID_UNTIL].iloc[-1] == first
+    assert list(data["outcome"].values) == ["unstable", "completed"]
+    table = cyclic.tables()["cycles"]
+    assert {"G_eq_MPa", "h_eq", "peak_force_kN"} <= _marked(table)
+    assert {row for row, _ in table.marked if _ >= 3} >= {2, 3}
+    again = tb.load_result(cyclic.save(tmp_path / "cyclic", figures=False))
+    assert again.cycles[VALID_UNTIL].equals(cyclic.cycles[VALID_UNTIL])
+    assert (tmp_path / "cyclic" / "summary.json").read_text().count(VALID_UNTIL) == 8
+    ratios = ratio_table(cyclic)
+    assert {row for row, _ in ratios.marked} == {1}
+
+
+def test_pages_name_the_mark_of_unstable_runs(cyclic, tmp_path):
+    (page,) = tb.make_report(cyclic, tmp_path, pdf=False)
+    text = page.read_text(encoding="utf-8")
+    assert SEE_NOTE in text
+    assert "unstable: no result" in text

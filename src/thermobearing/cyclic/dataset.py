@@ -55,6 +55,7 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.quantities.warned import ASSUMED, UNUSABLE, Warned
 from thermobearing.results.metrics import find_cycles
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
@@ -186,7 +187,7 @@ def _build_dataset(
         if group in case.analysis.keep:
             values = stacked([run.rows._asdict()[group] for run in runs])
             data[name] = (_dimensions(values, (*steps, dimension)), values)
-    data |= _axial_variables(runs, steps)
+    data |= _axial_variables(runs, steps, per_run)
     for name in ("segment", "cycle"):
         data[name] = (steps, stacked([getattr(run, name) for run in runs], PADDING[name]))
     lead = [run.state.response[0].lead_temperature if bearing.lead else np.nan for run in runs]
@@ -225,9 +226,18 @@ def _build_dataset(
     return dataset
 
 
-def _axial_variables(runs: list[History], steps: tuple[str, ...]) -> dict[str, Any]:
+def _axial_variables(
+    runs: list[History], steps: tuple[str, ...], per_run: tuple[str, ...]
+) -> dict[str, Any]:
     """Return what the axial force did to the bearing, where it acted on the shear force."""
-    variables = {}
+    variables: dict[str, Any] = {}
+    firsts = [
+        axial_peaks(run.rows.response["clock"], run.axial)["analysis"].first
+        for run in runs
+        if run.axial is not None
+    ]
+    if np.isfinite(firsts).any():
+        variables[VALID_UNTIL] = (per_run, np.array(firsts))
     for name, unit, text in labels(AxialResponse)[:AXIAL_COLUMNS]:
         columns = [run.axial[name] for run in runs if run.axial is not None]
         if columns:

@@ -23,6 +23,7 @@ from thermobearing.cyclic.tables import (
 )
 from thermobearing.quantities.governing import largest_by, place_of_least
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.quantities.words import (
     change,
     counted,
@@ -202,12 +203,17 @@ def _peaks(result: Result) -> list[tuple[float, float, float]]:
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
+def _no_result(row: Mapping[Any, Any]) -> str:
+    """Return that a cycle is no result, since the bearing had become unstable; else ""."""
+    return ", unstable: no result" if np.isfinite(row.get(VALID_UNTIL, np.nan)) else ""
+
+
 def _governing(result: Result, rows: "pd.DataFrame", largest: float) -> str:
     """Return stiffness and force in the last cycle of the largest amplitude."""
     last = rows.groupby("ambient_degC", sort=False).last().reset_index()
     moduli = [
         f"{row['G_eq_MPa']:.3f} MPa at {degrees([row['ambient_degC']])} (h_eq {row['h_eq']:.3f}, "
-        f"{KJ * row['energy_kN_mm']:.2f} kJ a cycle)"
+        f"{KJ * row['energy_kN_mm']:.2f} kJ a cycle{_no_result(row)})"
         for row in last.to_dict("records")
     ]
     ambient, force, _ = largest_by(_peaks(result), lambda peak: peak[1])

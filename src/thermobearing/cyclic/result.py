@@ -11,8 +11,10 @@ import numpy as np
 from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
+from thermobearing.model.outcomes import PASSED_LIMITS
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
 from thermobearing.results.metrics import (
@@ -201,7 +203,7 @@ class Result(DatasetResult):
         names = ("segment", "cycle", "displacement")
         segment, cycle, x = (self.dataset[name].values[run] for name in names)
         x = x[:, 0] if self.in_plane else x
-        completed = self.dataset["outcome"].values[run] == "completed"
+        completed = self.dataset["outcome"].values[run] in ("completed", *PASSED_LIMITS)
         # Numbers of segments and cycles only grow, up to the padding of -1.
         parts = np.searchsorted(segment[segment >= 0], np.arange(len(self.segments) + 1))
         for number, (first, end) in enumerate(pairwise(parts.tolist())):
@@ -230,7 +232,8 @@ class Result(DatasetResult):
 
         Temperatures are those at the end of the cycle; `rubber1_degC` is the outer layer. Of turns
         in a plane the measures are those of the resultant, and energy, stiffness and largest force
-        of each component follow.
+        of each component follow. Where the axial force exceeds the critical load, `valid_until_s`
+        is when, in rows of cycles that end later; these are no results.
         """
         data, attrs = self.dataset, self.dataset.attrs
         if CYCLES in data.dims:  # measured before the history was thinned
@@ -268,6 +271,9 @@ class Result(DatasetResult):
                         "characteristic_strength_kN": m.characteristic_strength_kN,
                         "post_yield_stiffness_kN_mm": m.post_yield_stiffness_kN_mm,
                     }
+                if VALID_UNTIL in data:
+                    first = float(data[VALID_UNTIL].values[run])
+                    row[VALID_UNTIL] = first if self.time(run)[last] >= first else np.nan
                 if imposed is None:
                     row["amplitude_strain"] = largest / rubber
                 if "rubber_temperature" in data:

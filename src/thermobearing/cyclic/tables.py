@@ -12,6 +12,7 @@ from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.governing import place_of_least
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import VALID_UNTIL, with_invalid_marked
 from thermobearing.report.content import LINE, beyond_mark
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.metrics import BACKBONE_DEFINITION, CycleMeasures
@@ -88,8 +89,10 @@ def measured_cycle_table(result: Result) -> Table | None:
         *BACKBONE,
         quantity("rubber_degC", name=inner_layer(result), head="Inner rubber"),
         "lead_degC",
+        VALID_UNTIL,
     ]
-    return make_table(frame, columns, caption, keys=1, keep_keys=True)
+    table = make_table(frame, columns, caption, keys=1, keep_keys=True)
+    return with_invalid_marked(table, frame, [*MEASURES, "G_eq_ratio", *BACKBONE])
 
 
 def largest_cycles(cycles: "pd.DataFrame") -> "pd.DataFrame":
@@ -128,6 +131,7 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
         *(("local_strain", *PLANE) if result.in_plane else BACKBONE),
         *heat,
         "lead_degC",
+        VALID_UNTIL,
     ]
     rows, marked = result.tested_range.to_dict("records"), {}
     for name, limit in LIMITED.items():
@@ -137,9 +141,10 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
     note = IN_PLANE if result.in_plane else MEANINGS
     note = f"{note} {MARKED}." if any(map(any, marked.values())) else note
     frame = cycles.assign(peak_force_kN=peak)
-    return make_table(
+    table = make_table(
         frame, columns, f"Measures of {cycles_shown}", keys=3, marked=marked, note=note
     )
+    return with_invalid_marked(table, frame, [*MEASURES, "peak_force_kN", *BACKBONE, *PLANE])
 
 
 def _loadings(cycles: "pd.DataFrame") -> "pd.Series[Any]":
@@ -168,6 +173,10 @@ def ratio_table(result: Result) -> Table | None:
     names = ["G_eq_MPa", "h_eq", "energy_kN_mm", "characteristic_strength_kN"]
     names = [name for name in names if name in last]
     ratios = last.assign(**{n: last[n].to_numpy() / warmest_cycles[n].to_numpy() for n in names})
+    if VALID_UNTIL in last:  # one of the two cycles is enough
+        ratios[VALID_UNTIL] = last[VALID_UNTIL].fillna(
+            pd.Series(warmest_cycles[VALID_UNTIL].to_numpy(), index=last.index)
+        )
     same_cycle = last["cycle"].to_numpy() == warmest_cycles["cycle"].to_numpy()
     ratios = ratios[same_cycle & (last["ambient_degC"] != warmest).to_numpy()]
     if not len(ratios):
@@ -176,7 +185,8 @@ def ratio_table(result: Result) -> Table | None:
     columns = [quantity(n, head=f"{quantity(n).head} ratio", **changes) for n in names]
     caption = f"Last cycle of each amplitude over that at {warmest:g} °C"
     ratios = ratios.sort_values("ambient_degC", kind="stable")
-    return make_table(ratios, [*LABELS, *columns], caption.replace("-", MINUS), keys=3)
+    table = make_table(ratios, [*LABELS, *columns], caption.replace("-", MINUS), keys=3)
+    return with_invalid_marked(table, ratios, names)
 
 
 def warming(result: Result) -> "pd.DataFrame":

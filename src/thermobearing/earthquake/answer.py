@@ -17,6 +17,7 @@ from thermobearing.earthquake.properties import temperature_note
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
+from thermobearing.quantities.validity import has_invalid, stable_rows
 from thermobearing.quantities.words import (
     change,
     counted,
@@ -80,12 +81,17 @@ def _early_end_sentences(result: EarthquakeResult) -> list[str]:
 
 
 def largest_place(result: EarthquakeResult, column: str, part: str = "") -> tuple[float, str]:
-    """Return the largest value of a column, and its run and line or pier in words."""
+    """Return the largest value of a column, and its run and line or pier in words.
+
+    Runs that became unstable are left out where others remain; of them alone the words say so.
+    """
     table = result.table
-    if not table[column].notna().any():
+    stable = stable_rows(table)
+    if not stable[column].notna().any():
         return float("nan"), ""
-    place = place_of_largest(table[column])
-    return float(table[column].iloc[place]), _place_in_words(result, place, part)
+    place = int(stable.index[place_of_largest(stable[column])])
+    note = ", unstable: no result" if has_invalid(stable) else ""
+    return float(table[column].iloc[place]), f"{_place_in_words(result, place, part)}{note}"
 
 
 class Shown(NamedTuple):
@@ -189,7 +195,9 @@ def _governing(result: EarthquakeResult) -> str:
         phrases.append(
             f"{article} pier top moves {number(pier)} mm relative to its base ({pier_place})"
         )
-    scope = f"Of {counted(result.runs, 'run')}, " if result.runs > 1 else ""
+    stable = len(stable_rows(result.table))
+    kind = "stable run" if stable < result.runs else "run"
+    scope = f"Of {counted(stable, kind)}, " if result.runs > 1 else ""
     text = f"{scope}{joined(phrases)}."
     return f"{text[:1].upper()}{text[1:]}"
 

@@ -485,6 +485,9 @@ def valid_until(result: "EarthquakeResult") -> Floats:
 
 
 def with_validity(frame: "pd.DataFrame", result: "EarthquakeResult") -> "pd.DataFrame":
-    """Return the table of runs with the time when they became unstable, if any did."""
-    moments = valid_until(result)
+    """Return a table with the time when its runs became unstable, if any did.
+
+    It has as many rows for each run, in the order of the runs.
+    """
+    moments = np.repeat(valid_until(result), len(frame) // max(result.runs, 1))
     return frame.assign(**{VALID_UNTIL: moments}) if np.isfinite(moments).any() else frame

@@ -397,13 +397,14 @@ class EarthquakeResult(DatasetResult):
         if not self.has_parts:
             return pd.DataFrame()
         data = self.resultant.dataset
-        return pd.DataFrame(
+        frame = pd.DataFrame(
             {RUN[key]: data[key].values[run] for key in self._labels}
             | {dimension.removesuffix("_part"): str(part)}
             | {column: data[name].values[run, k] for column, name in columns.items()}
             for run in range(self.runs)
             for k, part in enumerate(data[dimension].values)
         )
+        return with_validity(frame, self)
 
     @property
     def warnings(self) -> list[str]:

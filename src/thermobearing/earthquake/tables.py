@@ -21,7 +21,7 @@ from thermobearing.earthquake.properties import periods_table
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.quantities.validity import NOTE, VALID_UNTIL, invalid_marks
+from thermobearing.quantities.validity import VALID_UNTIL, stable_rows, with_invalid_marked
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.metrics import BALANCE
@@ -276,8 +276,6 @@ def _peaks_table(
     if any(elsewhere):  # the strain of another line than the one with the largest
         marked["bearing_strain_max"] = list(map(gt, marked["bearing_strain_max"], elsewhere))
         marked["motion"] = list(map(or_, marked["motion"], elsewhere))
-    for name, invalid in invalid_marks(frame, names).items():
-        marked[name] = list(map(or_, marked.get(name, invalid), invalid))
     causes = sorted(TESTED[limit][1] for limit in other_limits)
     if any(elsewhere):
         causes.append("strain of other lines")
@@ -288,7 +286,7 @@ def _peaks_table(
         sentences.append(f"{other} values are outside the calibration range{of_motion}.")
     specimen = result.dataset.attrs.get("specimen", "")
     at_specimen = f", specimen at {specimen}" if specimen else ""
-    return make_table(
+    table = make_table(
         frame,
         [*keys, *names, *place_columns, *ended],
         f"Peaks of every run{at_specimen}",
@@ -298,6 +296,7 @@ def _peaks_table(
         note=" ".join(sentences),
         governing="bearing_strain_max",
     )
+    return with_invalid_marked(table, frame, names)
 
 
 def _peaks_sentences(
@@ -312,8 +311,6 @@ def _peaks_sentences(
     ]
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
         sentences.append("The energy ratio is relative to the warmest run.")
-    if VALID_UNTIL in frame:
-        sentences.append(NOTE)
     if result.has_parts:
         sentences.append(f"Every peak is the largest of all {joined(_plurals(result))}.")
     return sentences
@@ -326,14 +323,16 @@ def _directions_table(result: "EarthquakeResult") -> Table:
     if not len(frame):
         return make_table(frame, caption=caption)
     keys = [name for name in measures.key_columns(frame) if name != "motion"]
-    frame = frame.groupby(keys, sort=False)[list(measures.COLUMNS)].agg(_largest).reset_index()
+    columns = [name for name in (*measures.COLUMNS, VALID_UNTIL) if name in frame]
+    frame = frame.groupby(keys, sort=False)[columns].agg(_largest).reset_index()
     by_run = [name for name in keys if name != measures.DIRECTION]
     frame = frame.sort_values(by_run, kind="stable")  # directions of a run next to each other
     note = (
         "x: along the bridge, y: across it. The resultant combines x and y at the same time, so it "
         "may be less than that of their peaks; for hinges it is the larger of x and y."
     )
-    return make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
+    table = make_table(frame, [*keys, *BY_DIRECTION], caption, keys=len(keys), note=note)
+    return with_invalid_marked(table, frame, BY_DIRECTION)
 
 
 def rotation_measures_frame(result: "EarthquakeResult") -> "pd.DataFrame":
@@ -504,7 +503,7 @@ def _plurals(result: "EarthquakeResult") -> list[str]:
 
 
 def governing_runs(result: "EarthquakeResult") -> "pd.DataFrame":
-    """Return the largest of every peak over all runs, lines and piers of each bearing."""
+    """Return the largest of every peak over all (stable) runs, lines and piers of each bearing."""
     rows = []
     runs = result.table
     parts = {"": pd.DataFrame(), "line": result.lines, "pier": result.piers}
@@ -513,12 +512,13 @@ def governing_runs(result: "EarthquakeResult") -> "pd.DataFrame":
             # Of one line and one pier there are no tables of parts: the table of runs has the peak.
             several = len(parts[part]) > 0
             table, column = (parts[part], part_column) if several else (runs, run_column)
-            candidates = table[table["bearing"] == bearing]
+            candidates = stable_rows(table[table["bearing"] == bearing])
             if column not in candidates or not candidates[column].notna().any():
                 continue
             worst = candidates.iloc[place_of_largest(candidates[column])]
             row = {"bearing": bearing, "what": peak, "largest": float(worst[column])}
             row |= {"part": str(worst[part]) if several else "", "motion": str(worst["motion"])}
+            row |= {VALID_UNTIL: float(worst[VALID_UNTIL])} if VALID_UNTIL in worst else {}
             rows.append(row | {"ambient_degC": float(worst["ambient_degC"])})
     return pd.DataFrame(rows)
 
@@ -542,7 +542,8 @@ def _governing_table(result: "EarthquakeResult") -> Table:
     ]
     names = ["bearing", "what", "largest", "part", "motion", "ambient_degC"]
     head = " or ".join(result.part_kinds).capitalize()
-    return make_table(frame, names, caption, keys=2, heads={"part": head})
+    table = make_table(frame, names, caption, keys=2, heads={"part": head})
+    return with_invalid_marked(table, frame, ["largest"])
 
 
 def _cold_table(result: "EarthquakeResult") -> Table:
@@ -585,7 +586,10 @@ def _parts_table(result: "EarthquakeResult", part: str, row_limit: int | None = 
         names = [name for name in names if name not in (*keys, "line_ambient_degC")]
         caption = f"{part.capitalize()}s: the largest of all runs (each run: {part}s.csv)"
         # -20 degC is larger in size than 10 degC but not the highest temperature.
-        aggregates: Any = {name: "max" if name.endswith("_degC") else _largest for name in names}
+        moments = [VALID_UNTIL] if VALID_UNTIL in frame else []
+        aggregates: Any = {
+            name: "max" if name.endswith("_degC") else _largest for name in (*names, *moments)
+        }
         frame = frame.groupby([part, *keys], sort=False).agg(aggregates).reset_index()
     if "count" in frame:
         frame["count"] = frame["count"].astype(int)
@@ -594,7 +598,9 @@ def _parts_table(result: "EarthquakeResult", part: str, row_limit: int | None = 
     columns = [part, *keys, *names]
     note = _residual_note(frame) if part == "pier" else ""
     options: Any = {"keys": 1 + len(keys), "governing": governing, "note": note}
-    return make_table(frame, columns, caption, **options).merged(part)
+    table = make_table(frame, columns, caption, **options)
+    labels = "line_bearing", "count", "line_ambient_degC"
+    return with_invalid_marked(table, frame, {*names} - {*labels}).merged(part)
 
 
 def _residual_note(piers: "pd.DataFrame") -> str:
@@ -647,7 +653,8 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     if len(open_keys):
         places = ["; ".join(map(str, row)) for row in open_keys.itertuples(index=False)]
         note = f"{note} Without a row, since the loop does not close: {joined(places)}."
-    return make_table(closed, [*keys, *LOOP], caption, keys=len(keys), note=note)
+    table = make_table(closed, [*keys, *LOOP], caption, keys=len(keys), note=note)
+    return with_invalid_marked(table, closed, LOOP)
 
 
 def structure_balance(result: "EarthquakeResult") -> Table:

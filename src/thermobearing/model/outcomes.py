@@ -33,6 +33,8 @@ UNSTABLE: Final = "unstable"
 UPLIFT: Final = "uplift"
 CAVITATED: Final = "cavitated"
 PIER_BEYOND_LIMIT: Final = "pier_beyond_limit"
+# Outcomes of a limit that was passed: the run goes on, if it can, and is no early end.
+PASSED_LIMITS: Final = (UNSTABLE, UPLIFT, CAVITATED, PIER_BEYOND_LIMIT)
 NAMES: Final = {
     COMPLETED: "completed",
     SOFTENED: "completed",

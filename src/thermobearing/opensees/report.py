@@ -9,6 +9,7 @@ from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.result import ServedResult
 from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.validity import VALID_UNTIL, has_invalid
 from thermobearing.quantities.words import counted, number, quantity
 from thermobearing.report import content
 from thermobearing.report.pieces import Pieces, ReportFigure
@@ -80,6 +81,9 @@ def _answer(result: ServedResult) -> list[str]:
     names = "strain_max", "bearing_force_max_kN", "rubber_highest_degC"
     strain_row, force_row, rubber_row = (place_of_largest(table[name]) for name in names)
     elements = table["element"]
+    if has_invalid(table):
+        unstable = table[VALID_UNTIL].notna()
+        elements = elements.where(~unstable, elements + ", unstable: no result")
     lead = ""
     if result.has_lead:
         lead = f", the lead {number(table['lead_highest_degC'].max())} °C"

@@ -29,7 +29,7 @@ from thermobearing.opensees.element import CONNECTION_FAILED
 from thermobearing.opensees.recording import Served
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.quantities.validity import NOTE, VALID_UNTIL, invalid_marks
+from thermobearing.quantities.validity import VALID_UNTIL, with_invalid_marked
 from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.base import DatasetResult
@@ -214,14 +214,8 @@ class ServedResult(DatasetResult):
     def tables(self) -> dict[str, Table]:
         """Return the extremes of all elements, and their energy balance."""
         columns = [name for name in COLUMNS if not isinstance(name, str) or name in self.table]
-        marked = invalid_marks(self.table, INVALID)
-        extremes = make_table(
-            self.table,
-            columns,
-            "Extremes of one bearing of each element",
-            marked=marked,
-            note=NOTE if marked else "",
-        )
+        extremes = make_table(self.table, columns, "Extremes of one bearing of each element")
+        extremes = with_invalid_marked(extremes, self.table, INVALID)
         checks = bearing_check_tables(self)
         return {"elements": extremes, **checks, "energy": energy_table(self.energy)}
 

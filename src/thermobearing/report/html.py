@@ -14,6 +14,7 @@ from markupsafe import Markup
 
 from thermobearing.border.library import data_path
 from thermobearing.quantities.tables import Table, is_number
+from thermobearing.quantities.validity import NOTE
 from thermobearing.report.figures import page_picture, picture_size, plot_json, points_each
 from thermobearing.report.markdown import sentence_reader
 from thermobearing.report.pieces import (
@@ -38,6 +39,7 @@ from thermobearing.report.pieces import (
 MARK = "\N{DAGGER}"
 MARKED = "Marked:"  # a note that begins so says itself what the mark means
 MARK_WORDS = "outside the calibration range"
+SEE_NOTE = "marked, see the note of the table"
 FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 200  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
@@ -67,7 +69,6 @@ def html_page(document: Document) -> str:
         sections=_sections(document.blocks),
         box_names={"answer": "Main results", "warning": "\N{WARNING SIGN} Warning"},
         mark=MARK,
-        mark_words=MARK_WORDS,
     )
     return page
 
@@ -231,6 +232,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
         "key_columns": table.keys,
         "caption": table.caption,
         "note": f"{note} {row_note}".strip(),
+        "mark_words": SEE_NOTE if NOTE in table.note else MARK_WORDS,
         "look": " ".join(look),
         "letters": letters,
         "least": least,
