@@ -31,6 +31,7 @@ from thermobearing.earthquake.properties import (
     motions_for_mean,
     nominal_stiffness,
     periods_table,
+    structure_devices,
     temperature_note,
 )
 from thermobearing.earthquake.report import build_pieces
@@ -41,7 +42,7 @@ from thermobearing.structure.matrices import (
     hinge_stiffness,
     line_stiffness,
 )
-from thermobearing.structure.model import Structure
+from thermobearing.structure.model import Structure, load_structure
 
 HDR, BILINEAR, LHDR = "shen-hdr-bridge", "shen-bilinear-bridge", "shen-lhdr-bridge"
 
@@ -310,6 +311,21 @@ def test_links_have_the_coefficient_of_a_dashpot(pier: EarthquakeResult) -> None
         frequency = 2.0 * np.pi / periods[row["bearing"], row["ambient_degC"]]
         mass = 1e3 * row["K_eff_kN_mm"] / frequency**2  # kN s2/m
         assert_allclose(float(value), 2.0 * row["h_eff"] * mass * frequency, rtol=1e-4)
+
+
+def test_links_have_the_devices(pier: EarthquakeResult) -> None:
+    structure = load_structure("pier-p1")
+    line = structure.bearings[0].name
+    damper = {"kind": "damper", "name": "D1", "line": line, "force": 400.0, "exponent": 0.3}
+    table = structure.model_dump(exclude_none=True) | {"devices": [damper]}
+    devices = Structure(**table).devices or ()
+    lines, bridges = line_properties(pier).head(1), bridge_properties(pier, line_properties(pier))
+    text = link_text(lines, bridges, devices)
+    assert f"\nD1: 1 viscous damper parallel to the line {line}\n" in text
+    assert re.search(r"^  damping coefficient C +400 kN \(s/m\)\^alpha$", text, re.M)
+    assert re.search(r"^  damping exponent alpha +0.3$", text, re.M)
+    assert "viscous" not in link_text(lines, bridges)
+    assert structure_devices(pier) == ()
 
 
 def test_numbers_that_were_not_measured_are_marked(pier: EarthquakeResult) -> None:

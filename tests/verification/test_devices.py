@@ -477,5 +477,36 @@ def test_two_devices_of_one_name() -> None:
 def test_predictor_corrector_and_scripts_refuse_devices(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="predictor-corrector"):
         shaken(deck(DAMPER), linear_bearing(SPRING), np.zeros(3), DT, method="predictor-corrector")
-    with pytest.raises(InputError, match="devices"):
-        tb.opensees.write_structure(deck(DAMPER), tmp_path / "model.py")
+    with pytest.raises(InputError, match="devices") as refusal:
+        tb.opensees.write_structure(deck(*ALL), tmp_path / "model.py")
+    # Each device, with the constants by which a user enters it in the script.
+    texts = "\n".join(refusal.value.problems)
+    for device in deck(*ALL).devices or ():
+        assert f"{device.name}: 1 " in texts
+        assert all(str(constant) in texts for constant in device.constants())
+
+
+def test_constants_for_other_programs() -> None:
+    """By hand, in kN, m and s, of one device whatever the count."""
+    warm = {"temperatures": [-20.0, 20.0], "factors": [1.2, 1.0]}
+    devices = deck(DAMPER | warm | {"velocity": 500.0, "count": 4}, FASTER, DULL).devices or ()
+    damper, slider, gap = (
+        {constant.name: (constant.value, constant.unit) for constant in device.constants()}
+        for device in devices
+    )
+    coefficient, unit = damper["damping coefficient C"]
+    # At 0.5 m/s it gives the stated force.
+    assert coefficient * 0.5**0.3 == pytest.approx(300.0, rel=1e-12)
+    assert unit == "kN (s/m)^alpha"
+    assert damper["damping exponent alpha"] == (0.3, "")
+    assert damper["factor of C with oil at -20 degC"][0] == 1.2
+    assert slider["normal force"] == (3000.0, "kN")
+    assert slider["fast friction coefficient"][0] == 0.06
+    assert slider["slow friction coefficient"][0] == 0.02
+    assert slider["rate parameter"] == (pytest.approx(20.0), "s/m")
+    # It begins to slide at 0.2 mm.
+    assert slider["stiffness before sliding"][0] * 0.2e-3 == pytest.approx(180.0)
+    assert gap["opening (both sides)"] == (pytest.approx(0.06), "m")
+    assert gap["stiffness in contact"] == (pytest.approx(60000.0), "kN/m")
+    assert gap["coefficient of restitution at 0.3 m/s"][0] == 0.6
+    assert devices[0].title() == "D: 4 viscous dampers parallel to the line L"

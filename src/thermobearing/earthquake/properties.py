@@ -8,7 +8,7 @@ and energy. Virgin rubber has its largest force in the first cycle, which gives 
 import math
 import textwrap
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -49,6 +49,7 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined
 from thermobearing.results.directory import MODES_FILE
+from thermobearing.structure.connections.model import DeviceTable
 from thermobearing.structure.matrices import find_modes, line_stiffness, total_stiffness
 from thermobearing.structure.model import Structure
 from thermobearing.structure.run import Prepared, prepare_structure
@@ -74,6 +75,13 @@ LINK_NOTES = (
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
     "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured.",
+)
+DEVICES_NOTE = (
+    "Devices beside the bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
+    "of SAP2000 and CSiBridge (F = C |v|^alpha, rigid brace). Slider: link Friction Isolator "
+    "without radius. Gap: links Gap and Hook, which lose nothing in an impact. Their damping is "
+    "not in the effective damping above, and other programs do not know the temperature of the "
+    "oil: enter C times its factor."
 )
 TEMPERATURE_NOTE = (
     "Effects of temperature rest on coefficients m_T and n_T that were not measured on the rubber: "
@@ -443,13 +451,16 @@ def hysteretic_ratios(
     return ratios
 
 
-def link_text(lines: "pd.DataFrame", bridges: "pd.DataFrame") -> str:
+def link_text(
+    lines: "pd.DataFrame", bridges: "pd.DataFrame", devices: Sequence[DeviceTable] = ()
+) -> str:
     """Return the properties as link elements of other programs take them, in kN and m.
 
     SAP2000 and CSiBridge: link of type "Rubber Isolator", directions U2 and U3; midas Civil:
     general link of type "Lead Rubber Bearing Isolator", directions y and z. The yield strength is
     Q_d K_1/(K_1 - K_d), the effective damping h_eff K_eff T_eff/pi with the effective period of the
-    bridge. `bridges` are those of `bridge_properties`.
+    bridge. `bridges` are those of `bridge_properties`, `devices` those of the structure, parallel
+    to its bearings.
     """
     text = [
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
@@ -468,11 +479,24 @@ def link_text(lines: "pd.DataFrame", bridges: "pd.DataFrame") -> str:
         for phrase in (cycle_note(row), _assumed_phrase(row)):
             text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
         text += [
-            f"  {name:37}{value:12.5g} {unit}".rstrip()
+            _link_row(name, value, unit)
             for name, value, unit in _link_values(row, period)
             if not math.isnan(value)  # the vertical stiffness of a bilinear bearing
         ]
+    if devices:
+        text += ["", *textwrap.wrap(DEVICES_NOTE, LINK_WIDTH)]
+    for device in devices:
+        text += [f"\n{device.title()}", *(_link_row(*constant) for constant in device.constants())]
     return "\n".join(text) + "\n"
+
+
+def _link_row(name: str, value: float, unit: str) -> str:
+    return f"  {name:37}{value:12.5g} {unit}".rstrip()
+
+
+def structure_devices(result: "EarthquakeResult") -> Sequence[DeviceTable]:
+    """Return the devices parallel to the bearings of a result."""
+    return _analysed_structure(result)[0].devices or ()
 
 
 def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float, str]]:

@@ -40,6 +40,7 @@ from thermobearing.earthquake.properties import (
     line_properties,
     link_text,
     periods_table,
+    structure_devices,
     temperature_note,
 )
 from thermobearing.earthquake.result import EarthquakeResult
@@ -353,7 +354,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     written = lines.drop(columns=["kind", "stiffer_virgin"])
     files = {
         PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
-        LINKS: link_text(lines, bridges).encode(),
+        LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
     }
     tables = {"properties": table.merged("line"), "bridge_properties": bridge_table}
     periods, frame = periods_table(result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES)

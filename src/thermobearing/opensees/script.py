@@ -23,6 +23,7 @@ from thermobearing.model.earlier import BilinearParameters
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
+from thermobearing.quantities.words import joined
 from thermobearing.structure.fields import GROUND
 from thermobearing.structure.matrices import build_matrices, hinge_stiffness
 from thermobearing.structure.model import (
@@ -411,6 +412,22 @@ ENDS = {
 }
 
 
+def _refuse_devices(structure: Structure) -> None:
+    """Raise InputError for what a script does not have, with the numbers to enter it by hand."""
+    faults = [
+        f"{key}: a script of OpenSees has none; omit {key} of the structure, and add it to the "
+        "script"
+        for key in ("devices", "p_delta")
+        if getattr(structure, key)
+    ]
+    faults += [
+        f"devices: {device.title()}, each with {joined(map(str, device.constants()))}"
+        for device in structure.devices or ()
+    ]
+    if faults:
+        raise InputError(faults, structure.name)
+
+
 @checked
 def write_structure(
     structure: Structure | str | Path,
@@ -464,13 +481,7 @@ def write_structure(
     """
     if not isinstance(structure, Structure):
         structure = load_structure(structure)
-    for key in ("devices", "p_delta"):
-        if getattr(structure, key):
-            raise InputError(
-                f"{key}: a script of OpenSees has none; omit {key} of the structure, and add it to "
-                "the script",
-                structure.name,
-            )
+    _refuse_devices(structure)
     target = Path(file)
     if target.suffix not in (".py", ".tcl"):
         raise InputError(f"{target}: give a script of Python, .py, or of Tcl, .tcl")

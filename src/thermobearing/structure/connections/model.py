@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -11,8 +11,21 @@ from pydantic import Field, model_validator
 
 from thermobearing.border.schema import Strict, in_unit
 from thermobearing.core.records import Floats, Rows, rows
-from thermobearing.structure.fields import Force, Height, Length, Name, Speed, Stiffness
+from thermobearing.structure.fields import GROUND, Force, Height, Length, Name, Speed, Stiffness
 from thermobearing.structure.types import DAMPER, GAP, SLIDER, Device
+
+METRE = 1e3  # mm
+
+
+class DeviceConstant(NamedTuple):
+    """A number of one device as other programs take it, in kN, m and s."""
+
+    name: str
+    value: float
+    unit: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.value:.5g} {self.unit}".strip()
 
 
 class DeviceTable(Strict):
@@ -30,6 +43,7 @@ class DeviceTable(Strict):
     """
 
     _together: ClassVar[tuple[str, str]]  # keys of a kind that need each other
+    _title: ClassVar[str]  # of one device of the kind
 
     name: Name
     line: Name | None = None
@@ -71,8 +85,21 @@ class DeviceTable(Strict):
 
     def describe(self) -> str:
         """Return number, size and axis of the device in words."""
-        axis = "" if self.angle is None else f", axis at {math.degrees(self.angle):g}°"
-        return f"{self.count} x {self._size()}{axis}"
+        return f"{self.count} x {self._size()}{self._axis()}"
+
+    def _axis(self) -> str:
+        return "" if self.angle is None else f", axis at {math.degrees(self.angle):g}°"
+
+    def title(self) -> str:
+        """Return the name of the device, how many it is, and where, for a reader elsewhere."""
+        number, place = f"{self.count} {self._title}", f"parallel to the line {self.line}"
+        if self.line is None:
+            place = f"between {self.body} and {self.base or GROUND}"
+        return f"{self.name}: {number}{'s' * (self.count > 1)} {place}{self._axis()}"
+
+    def constants(self) -> list[DeviceConstant]:
+        """Return the numbers of one device in kN, m and s, as links of other programs take them."""
+        raise NotImplementedError
 
     def _size(self) -> str:
         raise NotImplementedError
@@ -94,6 +121,7 @@ class Damper(DeviceTable):
     """
 
     _together: ClassVar = ("temperatures", "factors")
+    _title: ClassVar = "viscous damper"
 
     kind: Literal["damper"]
     force: Force
@@ -136,6 +164,16 @@ class Damper(DeviceTable):
     def _size(self) -> str:
         return f"{self.force:g} kN at {self.velocity:g} mm/s, exponent {self.exponent:g}"
 
+    def constants(self) -> list[DeviceConstant]:
+        """Return C and alpha of F = C |v|^alpha, and what the temperature makes of C."""
+        coefficient = self.force / (self.velocity / METRE) ** self.exponent
+        oil = zip(self.temperatures or (), self.factors or (), strict=True)
+        return [
+            DeviceConstant("damping coefficient C", coefficient, "kN (s/m)^alpha"),
+            DeviceConstant("damping exponent alpha", self.exponent),
+            *(DeviceConstant(f"factor of C with oil at {t:g} degC", f) for t, f in oil),
+        ]
+
     def oil(self) -> tuple[Sequence[float], Sequence[float]]:
         """Return temperatures of the oil [degC] and factors of the force."""
         if self.temperatures is None or self.factors is None:
@@ -156,6 +194,7 @@ class Slider(DeviceTable):
     """
 
     _together: ClassVar = ("slow_friction", "friction_rate")
+    _title: ClassVar = "friction slider"
 
     kind: Literal["slider"]
     normal_force: Force
@@ -176,6 +215,22 @@ class Slider(DeviceTable):
     def _size(self) -> str:
         slow = "" if self.slow_friction is None else f"{self.slow_friction:g} to "
         return f"{slow}{self.friction:g} of {self.normal_force:g} kN"
+
+    def constants(self) -> list[DeviceConstant]:
+        """Return normal force, friction and the stiffness before sliding."""
+        slow = []
+        if self.slow_friction is not None and self.friction_rate is not None:
+            slow = [
+                DeviceConstant("slow friction coefficient", self.slow_friction),
+                DeviceConstant("rate parameter", METRE * self.friction_rate, "s/m"),
+            ]
+        stiffness = METRE * self.friction * self.normal_force / self.elastic_displacement
+        return [
+            DeviceConstant("normal force", self.normal_force, "kN"),
+            DeviceConstant("fast friction coefficient", self.friction),
+            *slow,
+            DeviceConstant("stiffness before sliding", stiffness, "kN/m"),
+        ]
 
     @property
     def in_both_directions(self) -> bool:
@@ -206,6 +261,7 @@ class Gap(DeviceTable):
     """
 
     _together: ClassVar = ("restitution", "closing_speed")
+    _title: ClassVar = "gap"
 
     kind: Literal["gap"]
     gap: Annotated[float, in_unit("mm"), Field(ge=0, le=1e5)] = 0.0
@@ -213,6 +269,21 @@ class Gap(DeviceTable):
     sides: Literal["both", "positive", "negative"] = "both"
     restitution: Annotated[float, Field(ge=0.05, lt=1)] | None = None
     closing_speed: Speed | None = None
+
+    def constants(self) -> list[DeviceConstant]:
+        """Return opening, stiffness, and what an impact loses."""
+        impact = []
+        if self.restitution is not None and self.closing_speed is not None:
+            speed = self.closing_speed / METRE
+            name = f"coefficient of restitution at {speed:g} m/s"
+            impact = [DeviceConstant(name, self.restitution)]
+        return [
+            DeviceConstant(
+                f"opening ({self.sides}{' sides' * (self.sides == 'both')})", self.gap / METRE, "m"
+            ),
+            DeviceConstant("stiffness in contact", METRE * self.stiffness, "kN/m"),
+            *impact,
+        ]
 
     def _size(self) -> str:
         side = "" if self.sides == "both" else f", {self.sides} side"
