@@ -77,7 +77,7 @@ LINK_NOTES = (
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured.",
 )
 DEVICES_NOTE = (
-    "Devices beside the bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
+    "Devices parallel to bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
     "of SAP2000 and CSiBridge (F = C |v|^alpha, rigid brace). Slider: link Friction Isolator "
     "without radius. Gap: links Gap and Hook, which lose nothing in an impact. Their damping is "
     "not in the effective damping above, and other programs do not know the temperature of the "

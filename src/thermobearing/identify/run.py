@@ -146,12 +146,6 @@ def run_identify(case: IdentifyCase) -> Identification:
         *unstable_tests(records, predictions),
     ]
     method = "least-squares" if case.search is None else _name_of_search(case.search)
-    names = ("seed", "starts", "loss", "temperatures", "start_from", "polish")
-    inputs: dict[str, Any] = {"start": case.bearing.name, "method": method}
-    inputs |= {name: getattr(case, name) for name in names}
-    inputs["free"] = None if case.free is None else list(case.free)
-    inputs["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
-    inputs["assumed"] = dict(case.assumed or {})
     identification = Identification(
         bearing=problem.pset.checked(cube).model_copy(update={"tested_range": covered}),
         pset=problem.pset,
@@ -168,13 +162,24 @@ def run_identify(case: IdentifyCase) -> Identification:
         outcome="completed" if converged else "not_converged",
         problem=problem,
         sensitivity=sensitivity,
-        inputs=inputs,
+        inputs=_inputs(case, method),
     )
     return (
         replace(identification, outcome="poor_fit")
         if identification.poor and not case.accept_poor
         else identification
     )
+
+
+def _inputs(case: IdentifyCase, method: str) -> dict[str, Any]:
+    """Return the options of a calibration for its summary."""
+    names = ("seed", "starts", "loss", "temperatures", "start_from", "polish")
+    inputs: dict[str, Any] = {"start": case.bearing.name, "method": method}
+    inputs |= {name: getattr(case, name) for name in names}
+    inputs["free"] = None if case.free is None else list(case.free)
+    inputs["bounds"] = {key: list(ends) for key, ends in (case.bounds or {}).items()}
+    inputs["assumed"] = dict(case.assumed or {})
+    return inputs
 
 
 def _name_of_search(search: Search) -> str:
