@@ -1,5 +1,7 @@
 """What an analysis with axial forces shows: figure, warnings, and where results end."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,6 +12,7 @@ from thermobearing.cyclic.tables import ratio_table
 from thermobearing.earthquake.axial import axial_forces_change, governing_axial_line, valid_until
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import run_earthquake
+from thermobearing.earthquake.tables import governing_runs
 from thermobearing.model.options import build_model
 from thermobearing.quantities.tables import make_table
 from thermobearing.quantities.validity import NOTE, VALID_UNTIL, with_invalid_marked
@@ -187,6 +190,23 @@ def test_parts_and_the_largest_of_all_are_marked():
     assert marked.marked == {(1, 1)}
     assert marked.note == NOTE
     assert with_invalid_marked(table, lines.drop(columns=VALID_UNTIL), ["strain_max"]) == table
+
+
+def test_the_largest_of_all_are_those_of_stable_runs():
+    runs = pd.DataFrame(
+        {
+            "bearing": ["a", "a", "b"],
+            "motion": ["m1", "m2", "m1"],
+            "ambient_degC": 23.0,
+            "bearing_strain_max": [9.0, 1.5, 7.0],
+            VALID_UNTIL: [2.0, np.nan, 3.0],
+        }
+    )
+    empty = pd.DataFrame()
+    largest = governing_runs(SimpleNamespace(table=runs, lines=empty, piers=empty))
+    assert largest["largest"].tolist() == [1.5, 7.0]  # of b there is no other
+    assert largest[VALID_UNTIL].tolist()[1] == 3.0
+    assert np.isnan(largest[VALID_UNTIL].tolist()[0])
 
 
 @pytest.fixture(scope="module")

@@ -79,6 +79,33 @@ def test_steps_along_legs_follow_the_law(slender: tb.Bearing, records: list[Test
     assert plain.critical_share is None
 
 
+def test_another_bearing_has_its_own_column(slender: tb.Bearing, records: list[TestRecord]) -> None:
+    heavy = records[-1]
+    wider = tb.new_bearing("wider", "shen-hdr", plan="400x400mm", layers="8x17mm", shim="4 mm")
+    rebuilt = ForwardModel(heavy, slender).rebuilt(wider).run()
+    expected = ForwardModel(heavy, wider).run()
+    assert rebuilt is not None
+    assert expected is not None
+    assert (rebuilt.force == expected.force).all()
+
+
+def test_a_history_acts_at_its_time(slender: tb.Bearing) -> None:
+    """An axial force that changes with every sample, against the cyclic test under it."""
+    time = 0.02 * np.arange(400)
+    x = 120.0 * np.sin(time)
+    pressing = 900.0 + 700.0 * np.sin(9.0 * time)
+    run = tb.run(slender, (time, x), ambient=23.0, dt=0.03, axial_force=(time, pressing))
+    force = run["force"].values[0]
+    record = tb.record_from_arrays(time, x, force, 23.0, axial_force=pressing)
+    predicted = ForwardModel(record, slender, fine=True).run()
+    assert predicted is not None
+    # Kappa of the end of each step, which is what the next step of the cyclic test takes.
+    kappa = run["stiffness_reduction"].values[0]
+    expected = force[:-1] + (kappa[:-1] - kappa[1:]) * x[:-1]
+    assert np.abs(expected - force[:-1]).max() > 0.01 * np.abs(force).max()
+    assert np.abs(predicted.force[:-1] - expected).max() < 1e-12 * np.abs(force).max()
+
+
 def test_an_unstable_test_is_named(slender: tb.Bearing, records: list[TestRecord]) -> None:
     heavy = records[-1]
     assert heavy.axial is not None

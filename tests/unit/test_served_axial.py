@@ -27,7 +27,7 @@ P = 900.0 + 800.0 * np.sin(3.0 * math.pi * TIME)  # kN
 
 @pytest.fixture(scope="module")
 def slender() -> tb.Bearing:
-    return tb.new_bearing("slender", "shen-hdr", plan="350x350mm", layers="8x17mm", shim="4 mm")
+    return tb.new_bearing("slender", "shen-hdr", plan="350x310mm", layers="8x17mm", shim="4 mm")
 
 
 def case(bearing: tb.Bearing, **given: object) -> ServedCase:
