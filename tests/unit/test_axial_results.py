@@ -13,6 +13,7 @@ from thermobearing.earthquake.axial import axial_forces_change, governing_axial_
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.earthquake.tables import governing_runs
+from thermobearing.live.report import live_section
 from thermobearing.model.options import build_model
 from thermobearing.quantities.tables import make_table
 from thermobearing.quantities.validity import NOTE, VALID_UNTIL, with_invalid_marked
@@ -233,6 +234,12 @@ def test_cycles_after_instability_are_marked(cyclic, tmp_path):
     assert (tmp_path / "cyclic" / "summary.json").read_text().count(VALID_UNTIL) == 8
     ratios = ratio_table(cyclic)
     assert {row for row, _ in ratios.marked} == {1}
+
+
+def test_no_live_section_computes_without_axial_forces(cyclic, results):
+    """The engine of pages has none, so that its numbers would contradict the report."""
+    assert live_section(cyclic) is None
+    assert all(live_section(result) is None for result in results.values())
 
 
 def test_pages_name_the_mark_of_unstable_runs(cyclic, tmp_path):

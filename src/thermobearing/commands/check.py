@@ -21,6 +21,7 @@ from thermobearing.design.case import DesignCase, bearing_weight, load_design_ca
 from thermobearing.earthquake.case import EarthquakeCase, OnLine, load_earthquake_case
 from thermobearing.identify.records.record import TestRecord, load_test
 from thermobearing.laws import find_law
+from thermobearing.model.axial import BOLTED
 from thermobearing.model.limits import Limits, load_limits
 from thermobearing.model.options import build_model
 from thermobearing.model.stack import build_stack
@@ -254,6 +255,7 @@ def _served_facts(case: ServedCase) -> dict[str, str]:
         "bearing": f"{case.bearing.name} ({case.bearing.description})",
         "ambient": f"{case.ambient:g} degC",
         "element": f"{case.count} in parallel, in {case.units}-s",
+        "axial force": f"of the nodes, {case.joint or BOLTED}" if case.has_axial else "off",
     }
 
 

@@ -64,7 +64,8 @@ def live_section(result: Any) -> Live | None:
     """Return the section that computes a result again in an HTML page.
 
     It is None for analyses that the engine does not have (recorded histories, weather, hybrid
-    tests, bilinear bearings), and where the installation has no kernels for web pages.
+    tests, bilinear bearings, axial forces that act), and where the installation has no kernels for
+    web pages.
     """
     try:
         if isinstance(result, Result):
@@ -119,7 +120,7 @@ def _test_section(result: Result) -> Live | None:
     case = make_case(table, "report")
     steps = engine_steps(case.test)
     options = case.analysis
-    if options.model == "bilinear" or options.keep_every > 1:
+    if options.model == "bilinear" or options.keep_every > 1 or options.has_axial:
         return None
     if result.dataset["steps"].max() > MOST_STEPS:
         return None
@@ -167,6 +168,8 @@ def _bridge_section(result: EarthquakeResult) -> Live | None:
     case = make_earthquake_case(table, "report")
     method, options = case.analysis.method, case.analysis
     if method == "predictor-corrector" or options.model == "bilinear" or case.structure.plan:
+        return None
+    if options.has_axial:
         return None
     bearings = {bearing.name: bearing for bearing in case.bearings if isinstance(bearing, Bearing)}
     motions = _motions(case)
