@@ -2,11 +2,12 @@
 # that only the tests or the lint need are added when these first run.
 PYTHON ?= python3
 VENV := .venv
-BIN := $(VENV)/bin
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 PROGRAM := $(VENV)/.installed
 TESTS := $(VENV)/.tests
 TOOLS := $(VENV)/.lint
 LINKER := $(VENV)/.kernels
+REPORTS := $(VENV)/.reports
 BROWSER := $(VENV)/.browser
 SPHINX := $(VENV)/.site
 WORKERS ?= auto
@@ -18,9 +19,9 @@ LOWEST := .venv-minimum
 help:
 	@echo "make demo   install, and run the default cyclic test into ./demo"
 	@echo "make kernels   compile the kernels ahead of time, for this machine and web pages"
-	@echo "make dist   build the wheel with these kernels, the source distribution and the live page bearing.html into ./dist"
+	@echo "make dist   write all files of a release into ./dist: wheel with these kernels, source distribution, live page, example of a report, table of verify, notes, checksums"
 	@echo "make dist-check   test both in empty environments (PYTHONS='python3.11 python3.13')"
-	@echo "make release VERSION=0.4.0   write the version to all files, commit and tag"
+	@echo "make release VERSION=0.4.0   write the version to all files, commit, tag, and make dist"
 	@echo "make test   run all but the thorough tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-all   run all tests, as in CI"
 	@echo "make browser   install what tests of pages need with the system's Chromium"
@@ -50,6 +51,10 @@ $(LINKER): $(PROGRAM)
 	$(BIN)/python -m pip install --quiet -e ".[kernels]"
 	touch $@
 
+$(REPORTS): $(PROGRAM)
+	$(BIN)/python -m pip install --quiet -e ".[report]"
+	touch $@
+
 # For some platforms only: make kernels KERNELS="linux-x86_64-v3 wasm32"
 kernels: $(LINKER)
 	$(BIN)/python -m kernels $(KERNELS)
@@ -57,11 +62,11 @@ kernels: $(LINKER)
 # Of the live page: the site of this clone where it is built; make dist DOCUMENTS=https://...
 DOCUMENTS ?= $(if $(wildcard build/site/index.html),../build/site/index.html)
 
-dist: $(LINKER)
+dist: $(LINKER) $(REPORTS)
 	$(BIN)/python -m kernels all
 	rm -rf dist
 	$(BIN)/python -m hatchling build -d dist
-	$(BIN)/thermobearing live -o dist/bearing.html --documents "$(DOCUMENTS)"
+	$(BIN)/python -m docs.release dist --documents "$(DOCUMENTS)"
 
 PYTHONS ?= $(PYTHON)
 dist-check:
@@ -78,6 +83,7 @@ release:
 	$(BIN)/python -m pytest -q tests/unit/test_dependencies.py -k version
 	git commit --quiet --all --message "Release version $(VERSION)"
 	git tag --annotate v$(VERSION) --message "Version $(VERSION)"
+	$(MAKE) dist
 
 $(BROWSER): $(TESTS)
 	$(BIN)/python -m pip install --quiet -e ".[browser]"
