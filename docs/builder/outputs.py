@@ -109,7 +109,6 @@ def run_command(*words: str) -> Any:
     """Run the words of a command line in this process."""
     from typer.testing import CliRunner
 
-    import tests.opensees  # noqa: F401  (finds its libraries)
     from thermobearing.cli import app
 
     return CliRunner().invoke(app, list(words))
@@ -117,6 +116,8 @@ def run_command(*words: str) -> Any:
 
 def main() -> None:
     """Rewrite the pages that the command line names."""
+    import tests.opensees  # noqa: F401  (finds its libraries)
+
     os.environ["COLUMNS"] = str(WIDTH)
     for path in [Path(name).resolve() for name in sys.argv[1:]]:
         with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):

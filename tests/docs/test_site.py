@@ -26,7 +26,7 @@ EXAMPLES = sorted((DOCS / "examples").glob("plot_*.py"))
 SCREENS = 180  # lines of a how-to
 QUICK = "index", "problems"  # pages whose blocks `make test` runs
 QUICK_EXAMPLES = "plot_01_loops", "plot_16_structure"
-MARKS = {"opensees": [needs_opensees]}
+MARKS = {name: [needs_opensees] for name in ("opensees", "opensees_space", "simcenter")}
 
 
 def pages(paths: list[Path], quick: tuple[str, ...]) -> list[Any]:

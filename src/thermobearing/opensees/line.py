@@ -1,5 +1,7 @@
 """`thermobearing.opensees.serve`: bearings as elements of an OpenSees model in the same script."""
 
+import json
+import math
 import os
 import pickle
 import queue
@@ -16,7 +18,7 @@ from typing import Any, NoReturn, Self, Unpack
 
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
-from thermobearing.border.errors import InputError, ThermobearingError
+from thermobearing.border.errors import InputError, ThermobearingError, short_repr
 from thermobearing.model.axial import Joint
 from thermobearing.model.element import DEFAULT_AMBIENT
 from thermobearing.model.handover import SpecimenState
@@ -28,6 +30,14 @@ from thermobearing.opensees.wire import Setup
 
 ANSWER = 60.0  # longest time for an answer of the server [s]
 READY = 300.0  # for its start, and for an element: kernels may be compiled [s]
+# Elastomeric bearings of OpenSees in space, as `eleType` names them.
+REPLACEABLE = (
+    "ElastomericBearingPlasticity3d",
+    "ElastomericBearingBoucWen3d",
+    "ElastomericX",
+    "LeadRubberX",
+    "HDR",
+)
 Pair = tuple[int, int]
 
 
@@ -383,3 +393,109 @@ def serve(
         **model_table(model, options),
     )
     return Line(case)
+
+
+@checked
+def replace_elements(
+    program: Any,
+    tags: int | Sequence[int],
+    bearing: Line,
+    *,
+    directions: int | Sequence[int] = (1, 2),
+    vertical: int = 3,
+) -> dict[int, str]:
+    """Replace elastomeric bearings of a model in space by served ones, between the same nodes.
+
+    All elements are checked before the first is removed. Shear, heat and the linear vertical,
+    rotational and torsional springs are those of the served bearing, whatever the element had;
+    P-delta moments and Rayleigh damping of the bearings are omitted. Call this before the first
+    step of the model, and add recorders of the elements afterwards.
+
+    Parameters
+    ----------
+    program : the module `openseespy.opensees`, whose model is open.
+    tags : of elements `elastomericBearingPlasticity`, `elastomericBearingBoucWen`, `ElastomericX`,
+        `LeadRubberX` or `HDR`. The served ones have the same tags.
+    bearing : from `serve`, with the units of the model, and with the number of bearings that one
+        of these elements stands for.
+    directions : degrees of freedom in which the bearings shear, one or two of 1, 2 and 3.
+    vertical : degree of freedom along the axis of the bearings. OpenSees does not state the
+        orientation of an element, so that this is not checked.
+
+    Returns
+    -------
+    dict : the former type of each element, by its tag.
+
+    Raises
+    ------
+    InputError : an element that does not exist, is of another type, has a length or a mass, or
+        whose nodes have moved.
+    ServingError : the server has ended.
+
+    Examples
+    --------
+    >>> import openseespy.opensees as ops  # doctest: +SKIP
+    >>> with serve("shen-lhdr-bridge", ambient=-20, units="kN-m") as line:  # doctest: +SKIP
+    ...     replace_elements(ops, [101, 102], line)  # then analyse the model
+    {101: 'LeadRubberX', 102: 'LeadRubberX'}
+    """
+    if not callable(getattr(program, "eleType", None)):
+        message = "must be the module openseespy.opensees, of version 3.5 or later"
+        raise InputError(f"program = {short_repr(program)}: {message}", "replace_elements()")
+    tag_list = [tags] if isinstance(tags, int) else list(tags)
+    layout = Layout.of(1, directions, vertical, "replace_elements()")
+    faults = [] if tag_list else ["tags: give one at least"]
+    if len(set(tag_list)) < len(tag_list):
+        faults.append(f"tags = {short_repr(tag_list)}: a tag occurs twice")
+    existing = set(program.getEleTags() or ())
+    masses = _element_masses(program)
+    for tag in tag_list:
+        if tag not in existing:
+            faults.append(f"tags: there is no element {short_repr(tag)} in the model")
+        else:
+            fault = _irreplaceable(program, tag, masses.get(tag, 0.0))
+            faults += [f"element {tag}: {fault}"] if fault else []
+    if faults:
+        raise InputError(faults, "replace_elements()")
+    types = {tag: str(program.eleType(tag)) for tag in tag_list}
+    ends = {tag: tuple(program.eleNodes(tag)) for tag in tag_list}
+    served = {
+        tag: bearing.element(tag, nodes, layout.directions, vertical=vertical)
+        for tag, nodes in ends.items()
+    }
+    for tag, arguments in served.items():
+        program.remove("element", tag)
+        program.element(*arguments)
+    return types
+
+
+def _irreplaceable(program: Any, tag: int, mass: float) -> str:
+    """Return why an element of OpenSees cannot be replaced by a served bearing; empty if it can."""
+    kind = str(program.eleType(tag))
+    if kind not in REPLACEABLE:
+        return f"is a {kind}; only {', '.join(REPLACEABLE)} can be replaced"
+    lower, upper = program.eleNodes(tag)
+    coordinates = zip(program.nodeCoord(lower), program.nodeCoord(upper), strict=True)
+    length = math.dist(*zip(*coordinates, strict=True))
+    if length > 0.0:
+        return (
+            f"its nodes {lower} and {upper} are {length:g} apart, a served bearing needs them at "
+            "one place; put them there, and the height into a rigid link"
+        )
+    if mass > 0.0:
+        return (
+            f"has a mass of {mass:g}, a served bearing has none; give it to nodes {lower}, {upper}"
+        )
+    if any(program.nodeDisp(lower)) or any(program.nodeDisp(upper)):
+        return f"its nodes {lower} and {upper} have moved; replace it before the first analysis"
+    return ""
+
+
+def _element_masses(program: Any) -> dict[int, float]:
+    """Return the masses of the elements of a model that have one, in its units."""
+    with tempfile.TemporaryDirectory(prefix="thermobearing-") as folder:
+        file = Path(folder, "model.json")
+        program.printModel("-JSON", "-file", str(file))
+        elements = json.loads(file.read_text(encoding="utf-8"))
+    rows = elements["StructuralAnalysisModel"]["geometry"]["elements"]
+    return {int(row["name"]): float(row.get("mass", 0.0)) for row in rows}
