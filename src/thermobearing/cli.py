@@ -24,13 +24,14 @@ from thermobearing.commands import (  # noqa: F401 (each adds its commands)
     identify,
     intake,
     motions,
+    start,
     study,
 )
 from thermobearing.commands.common import BAD_INPUT, app, guard_streams, is_out_of_memory
 
 # Commands and groups in the order of the help.
-ORDER = """list check cyclic bridge hybrid sequence serve measure intake identify validate design
-bounds lambda factors new verify live report study motions structures limits"""
+ORDER = """start list check cyclic bridge hybrid sequence serve measure intake identify validate
+design bounds lambda factors new verify live report study motions structures limits"""
 NO_MEMORY = b"thermobearing: not enough memory\n"
 app.registered_commands.sort(key=lambda command: ORDER.split().index(str(command.name)))
 app.registered_groups.sort(key=lambda group: ORDER.split().index(str(group.name)))

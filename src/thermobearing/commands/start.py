@@ -1,0 +1,176 @@
+"""Ask four questions, write a case, and print the commands that lead to a first result."""
+
+import math
+import os
+import shlex
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from thermobearing.border.errors import InputError
+from thermobearing.commands.common import FILES, Answer, app, echo_written
+from thermobearing.commands.options import Overwrite, command, option
+
+BEARING, AMBIENT, MOTION = "shen-hdr-bridge", "-20", "jra-ii-i-1"  # where nothing is answered
+WARM = 23.0  # the usual temperature of laboratories, with which the cold is compared [degC]
+CYCLES = {"step": "cycles", "strain": 1.75, "wave": "sine", "frequency": "0.5 Hz", "count": 3}
+QUESTIONS = {
+    "bearing": "Bearing: a name of `thermobearing list`, or your TOML file",
+    "tests": "Files of laboratory tests of it, with spaces between; empty: none",
+    "bridge": "Bridge: a structure of `thermobearing list`, or your TOML file; empty: none",
+    "ambient": "Cold of the site: degC, a climate such as cold-town, or a file of hourly weather",
+}
+
+
+@command(
+    app,
+    "start",
+    examples="start\nstart --bridge pier-p1 --ambient -20 -o winter.toml",
+    panel=FILES,
+)
+def _start(
+    bearing: Annotated[
+        str | None,
+        option(
+            "--bearing", help=f"{QUESTIONS['bearing']}. {BEARING} by default.", metavar="NAME/FILE"
+        ),
+    ],
+    tests: Annotated[
+        list[str] | None,
+        option("--tests", help="File of a laboratory test of it. May be repeated.", metavar="FILE"),
+    ],
+    bridge: Annotated[
+        str | None, option("--bridge", help=f"{QUESTIONS['bridge']}.", metavar="NAME/FILE")
+    ],
+    ambient: Annotated[
+        str | None,
+        option("--ambient", help=f"{QUESTIONS['ambient']}. {AMBIENT} by default.", metavar="COLD"),
+    ],
+    output: Annotated[
+        Path | None, option("-o", "--output", help="Case file to write; case.toml by default.")
+    ],
+    overwrite: Overwrite,
+    quiet: Annotated[bool, option("-q", "--quiet", help="Print the next commands only.")],
+) -> Answer:
+    """Write a first case from four answers, and print the commands to run next.
+
+    Questions whose option is not given are asked at a terminal; elsewhere they have their defaults.
+    The case compares the cold of the site with 23 degC.
+    """
+    from thermobearing.border.text_file import check_file, write_file
+
+    target = output or Path("case.toml")
+    check_file(target, overwrite=overwrite)
+    bearing = bearing or _answer("bearing", BEARING)
+    _check_bearing(bearing)
+    records = tests if tests else shlex.split(_answer("tests", ""))
+    bridge = bridge if bridge is not None else _answer("bridge", "")
+    cold = _cold_of(ambient or _answer("ambient", AMBIENT))
+    text = _case_text(bearing, bridge, cold, target)
+    write_file(target, text, overwrite=overwrite)
+    commands = _next_commands(bearing, records, bridge, target)
+    if not quiet:
+        echo_written(target)
+        typer.echo("next:")
+    for line in commands:
+        typer.echo(line if quiet else f"  {line}")
+    return {"outcome": "completed", "output": str(target), "ambient": cold, "next": commands}
+
+
+def _answer(question: str, default: str) -> str:
+    """Return the answer to a question, at a terminal; elsewhere its default."""
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        return default
+    return str(typer.prompt(QUESTIONS[question], default=default, show_default=bool(default)))
+
+
+def _check_bearing(bearing: str) -> None:
+    """Refuse a bearing that is neither in the library nor a file, with the way to make one."""
+    from thermobearing.bearing.bilinear import load_device
+    from thermobearing.bearing.compound import COMPOUNDS
+
+    try:
+        load_device(bearing)
+    except InputError as error:
+        stem = Path(bearing).stem
+        if bearing in COMPOUNDS.names() or (
+            bearing.endswith(".toml") and not os.path.exists(bearing)
+        ):
+            compound = bearing if bearing in COMPOUNDS.names() else "natural-rubber"
+            advice = (
+                f"thermobearing new my-{stem} --compound {compound} --plan 1000x1000mm "
+                "--layers 20x8mm --shim 3mm"
+            )
+            raise InputError(f"{error}; derive a bearing with its sizes first: {advice}") from None
+        raise
+
+
+def _cold_of(text: str) -> float:
+    """Return the cold of a site [degC]: a number, or that of a climate or of hourly weather."""
+    from thermobearing.climate.site import find_cold
+
+    number = text.removesuffix("degC").strip()
+    try:
+        value = float(number)
+    except ValueError:
+        return float(math.floor(find_cold(text).design_temperature))
+    if not -100.0 <= value <= 100.0:  # NaN too
+        raise InputError(f"ambient = {text}: must be from -100 to 100 degC")
+    return value
+
+
+def _case_text(bearing: str, bridge: str, cold: float, target: Path) -> str:
+    """Return the text of a valid case; paths are relative to its folder."""
+    import tomli_w
+
+    from thermobearing.cyclic.case import make_case
+    from thermobearing.earthquake.case import make_earthquake_case
+
+    folder = target.parent
+    ambient = [f"{value:g} degC" for value in dict.fromkeys((WARM, cold))]
+    table: dict[str, Any]
+    if bridge:
+        table = {"command": "bridge", "structure": _from_folder(bridge, folder)}
+        table |= {"bearings": [_from_folder(bearing, folder)], "motions": [MOTION]}
+        table["ambient"] = ambient
+        make_earthquake_case(table, str(target), folder)
+    else:
+        table = {"bearing": _from_folder(bearing, folder), "ambient": ambient}
+        table["test"] = {"name": "first test", "steps": [CYCLES]}
+        make_case(table, str(target), folder)
+    return tomli_w.dumps(table)
+
+
+def _from_folder(name: str, folder: Path) -> str:
+    """Return a name of the library, or the path of a file as seen from a folder."""
+    if not os.path.isfile(name):
+        return name
+    return Path(os.path.relpath(name, folder)).as_posix()
+
+
+def _next_commands(bearing: str, records: list[str], bridge: str, target: Path) -> list[str]:
+    """Return the commands that lead from the answers to a result."""
+    program = "thermobearing"
+    commands = []
+    run = [program, "bridge" if bridge else "cyclic", str(target)]
+    if records:
+        commands += [
+            [
+                program,
+                "intake",
+                *records,
+                "--bearing",
+                bearing,
+                "--write-sidecars",
+                "-o",
+                "inspected",
+            ],
+            [program, "identify", *records, "--bearing", bearing, "-o", "fit"],
+        ]
+        run += ["--bearing", "fit/bearing.toml"]
+    commands.append([*run, "-o", "first"])
+    if bridge:
+        commands.append([program, "report", "first"])
+    return [shlex.join(words) for words in commands]

@@ -1,0 +1,112 @@
+"""`thermobearing start`: four answers become a case, and the commands to run next."""
+
+import shlex
+from pathlib import Path
+
+import pytest
+
+from tests.docs.test_coverage import nothing_wrong_with_command
+from tests.unit.inputs import command
+from thermobearing.climate.site import find_cold
+from thermobearing.commands import start
+from thermobearing.cyclic.case import load_case
+from thermobearing.earthquake.case import load_earthquake_case
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_without_a_terminal_all_answers_have_defaults(folder: Path) -> None:
+    done = command("start", "--quiet")
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.splitlines() == ["thermobearing cyclic case.toml -o first"]
+    case = load_case(folder / "case.toml")
+    assert (case.bearing.name, case.ambient) == (start.BEARING, [23.0, -20.0])
+    assert case.test.steps[0].count == 3
+    run = command(*shlex.split(done.stdout)[1:], "--no-figures", "--quiet")
+    assert run.exit_code == 0, run.stderr
+
+
+def test_a_bridge_with_a_bearing_of_ones_own(folder: Path) -> None:
+    new = command(
+        "new", "mine", "--compound", "natural-rubber", "--plan", "500x500mm", "--layers", "6x17mm",
+        "--shim", "6mm", "--lead", "100mm",
+    )  # fmt: skip
+    assert new.exit_code == 0, new.stderr
+    words = ["--bearing", "mine.toml", "--bridge", "pier-p1", "--ambient", "-5.5"]
+    done = command("start", *words, "-o", "cases/winter.toml")
+    assert done.exit_code == 2  # the folder of the case must be there
+    (folder / "cases").mkdir()
+    done = command("start", *words, "-o", "cases/winter.toml", "-q")
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.splitlines() == [
+        "thermobearing bridge cases/winter.toml -o first",
+        "thermobearing report first",
+    ]
+    case = load_earthquake_case(folder / "cases" / "winter.toml")
+    assert case.structure.name == "pier-p1"
+    assert [bearing.name for bearing in case.bearings] == ["mine"]
+    assert case.ambient == [23.0, -5.5]
+    again = command("start", *words, "-o", "cases/winter.toml")
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+
+
+def test_tests_and_a_climate(folder: Path) -> None:
+    done = command(
+        "start", "--tests", "cold test.csv", "--tests", "warm.csv", "--ambient", "cold-town", "-q"
+    )
+    assert done.exit_code == 0, done.stderr
+    lines = [shlex.split(line) for line in done.stdout.splitlines()]
+    assert [line[1] for line in lines] == ["intake", "identify", "cyclic"]
+    assert lines[1][2:4] == ["cold test.csv", "warm.csv"]
+    assert "fit/bearing.toml" in lines[2]
+    for line in lines:
+        nothing_wrong_with_command(
+            [word if word.startswith("-") else word.replace(".csv", ".txt") for word in line[1:]]
+            if line[1] != "cyclic"
+            else line[1:2]
+        )
+    low = find_cold("cold-town").design_temperature
+    (cold,) = [value for value in load_case(folder / "case.toml").ambient if value != 23.0]
+    assert low - 1.0 < cold <= low
+
+
+def test_the_questions_are_asked_at_a_terminal(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answers = {"bearing": "shen-lhdr-bridge", "tests": "", "bridge": "pier-p1", "ambient": "-15"}
+    asked = []
+
+    def answer(question: str, default: str) -> str:
+        asked.append((question, default))
+        return answers[question]
+
+    monkeypatch.setattr(start, "_answer", answer)
+    assert command("start").exit_code == 0
+    assert [question for question, _ in asked] == list(start.QUESTIONS) == list(answers)
+    case = load_earthquake_case(folder / "case.toml")
+    assert case.ambient == [23.0, -15.0]
+    assert case.bearings[0].name == "shen-lhdr-bridge"
+
+
+@pytest.mark.parametrize(
+    ("words", "parts"),
+    [
+        (["--bearing", "shen-hdr-brigde"], ["shen-hdr-bridge"]),
+        (["--bearing", "mine.toml"], ["mine.toml", "thermobearing new"]),
+        (["--bearing", "natural-rubber"], ["thermobearing new", "--compound natural-rubber"]),
+        (["--bridge", "pier-p2"], ["pier-p1"]),
+        (["--ambient", "-200"], ["-100 to 100"]),
+        (["--ambient", "nan"], ["-100 to 100"]),
+        (["--ambient", "cold-twon"], ["cold-town"]),
+    ],
+)
+def test_a_wrong_answer_writes_nothing(words: list[str], parts: list[str], folder: Path) -> None:
+    done = command("start", *words)
+    assert done.exit_code == 2
+    assert all(part in done.stderr for part in parts), done.stderr
+    assert list(folder.iterdir()) == []
