@@ -23,7 +23,7 @@ BLOCK = re.compile(
 )
 PICTURE = re.compile(r"<!-- figure: (?P<made>\S+) -->\n!\[[^\]]*\]\((?P<shown>[^)]+)\)")
 FILE = re.compile(r"# (\S+\.(?:toml|csv|tcl|py))\n")  # the first line of a block that is a file
-WITHOUT_FIGURES = {"study", "new", "check", "list", "measure", "--version"}
+WITHOUT_FIGURES = {"study", "new", "start", "check", "list", "measure", "--version"}
 WIDTH = 100  # columns of the console
 Command = Callable[..., Any]
 

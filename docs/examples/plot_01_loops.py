@@ -4,6 +4,9 @@ A cyclic test at three temperatures
 
 The test programme of Shen (2023), Table 3.4, on a specimen of high-damping rubber: five amplitudes
 with five cycles each and rests between them. The bearing is stiffer at lower temperatures.
+
+Command: ``thermobearing cyclic --bearing shen-hdr-specimen --ambient -20 --ambient 0 --ambient 23
+-o test``
 """
 
 import thermobearing as tb

@@ -5,6 +5,9 @@ Where the heat goes
 Five fast cycles of the bearing with lead in the cold, followed by a rest of a quarter of an hour.
 Rubber and lead warm up during the cycles; afterwards the heat flows through the steel to the end
 plates.
+
+Command: ``thermobearing cyclic --bearing shen-lhdr-specimen --strain 1.75 --strain 1 --wave sine
+--frequency 0.5 --rest 900 --ambient -20 -o heat``
 """
 
 import thermobearing as tb

@@ -4,6 +4,9 @@ The energy balance of a run
 
 The work of the actuator becomes heat or is stored. Heat is still in the bearing, or has left it
 through the ends and sides. The title shows the residual of the balance, which is at rounding.
+
+Command: ``thermobearing cyclic --bearing shen-hdr-specimen --strain 2 --ambient -20 --model-option
+heat_source=dissipation -o energy``
 """
 
 import thermobearing as tb

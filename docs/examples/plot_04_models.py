@@ -3,6 +3,9 @@ Comparison with earlier models
 ==============================
 
 Ten cycles in the cold by models that neglect the temperature, its distribution, or the heat flow.
+
+Command: ``thermobearing cyclic --bearing shen-hdr-specimen --strain 1.75 --cycles 10 --wave sine
+--frequency 0.5 --ambient -20 --compare -o models``
 """
 
 import thermobearing as tb

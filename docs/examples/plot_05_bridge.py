@@ -4,6 +4,9 @@ A bridge pier in an earthquake
 
 The pier of the five-span bridge of Shen (2023) on two kinds of bearings, in a Level 2 motion of
 Type II. Cold bearings shear less and transmit larger forces to the pier.
+
+Command: ``thermobearing bridge --bearing shen-hdr-bridge --bearing shen-lhdr-bridge --motion
+jra-ii-i-1 --ambient 23 --ambient 0 --ambient -20 -o pier``
 """
 
 import thermobearing as tb

@@ -4,6 +4,9 @@ Temperatures inside a bearing during an earthquake
 
 Temperatures of rubber and lead in the bridge bearings during the shaking, from two ambient
 temperatures.
+
+Command: ``thermobearing bridge --bearing shen-lhdr-bridge --motion jra-ii-i-1 --ambient 23
+--ambient -20 -o inside``
 """
 
 import thermobearing as tb

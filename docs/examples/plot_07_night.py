@@ -5,6 +5,9 @@ An earthquake after a cold night
 Bearings follow the air slowly: after a night that ends at -20 °C the middle of a large bearing is
 still warmer than the air. The weather of a day and a night comes first, with the same heat model,
 and the earthquake at its end.
+
+Command: ``thermobearing bridge --bearing lrb-example --motion jra-ii-i-1 --weather TEST.csv -o
+night``
 """
 
 from pathlib import Path

@@ -4,6 +4,8 @@ A ground motion and its spectrum
 
 A built-in synthetic motion, which matches the Level 2 standard spectrum of Japanese road bridges,
 compared with that spectrum. Read your own with `tb.load_motion("record.csv", unit="gal")`.
+
+Command: ``thermobearing motions spectrum jra-ii-i-1 --kind II --ground I -o motion``
 """
 
 import numpy as np

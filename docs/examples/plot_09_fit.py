@@ -5,6 +5,8 @@ Calibration with tests at two temperatures
 The parameters of a bearing are determined from cyclic tests, with standard errors. These tests are
 synthetic (the model with noise), so that the true values are known; read yours with
 `tb.load_test("test.csv")`.
+
+Command: ``thermobearing identify TEST.csv TEST.csv --bearing shen-hdr-specimen -o fit``
 """
 
 import thermobearing as tb

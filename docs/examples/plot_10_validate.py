@@ -4,6 +4,8 @@ Validation with a test that was not used
 
 Nothing is calibrated: the bearing is moved as in the tests, and the forces are compared. Here the
 bearing with lead is compared with a test of its own, and with one of the bearing without lead.
+
+Command: ``thermobearing validate shen-lhdr-specimen TEST.csv -o validation``
 """
 
 import thermobearing as tb

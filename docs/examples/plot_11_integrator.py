@@ -5,6 +5,8 @@ An integrator of your own
 `tb.element` is the bearing with trial and commit, and with heat and memory inside. Any solver can
 use it; here Newmark's method (average acceleration) moves a single mass at -20 and at 23 °C. With
 the tangent, Newton's iterations find equilibrium in every step.
+
+Command: none, since the solver is a program of your own.
 """
 
 import numpy as np

@@ -4,6 +4,9 @@ Temperature factors
 
 A bounding analysis multiplies stiffness and strength by factors: those of the first cycle in the
 cold, and of the third cycle, which has heated the bearing, relative to 23 °C.
+
+Command: ``thermobearing lambda shen-hdr-bridge --strain 1.75 --reference-temperature 23 -o
+factors``
 """
 
 from matplotlib.figure import Figure

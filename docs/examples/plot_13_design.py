@@ -4,6 +4,8 @@ Sizing bearings
 
 Assume a displacement, size the bearing, analyse the bridge, compare, and repeat (Shen (2023),
 Fig. 6.4). Layered bearings of the same stiffness are then checked on the coldest day.
+
+Command: ``thermobearing design -o design``
 """
 
 import thermobearing as tb

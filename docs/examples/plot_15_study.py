@@ -5,6 +5,8 @@ A parameter study with labelled dimensions
 Every combination of bearings, motions and temperatures as one xarray dataset: select, divide and
 plot by name. On soft ground (right) cold bearings of high-damping rubber move so much less that
 their force is smaller too.
+
+Command: ``thermobearing study run CASE.toml -o study``
 """
 
 from matplotlib.figure import Figure

@@ -4,6 +4,8 @@ A structure before the analysis
 
 Parts, periods, damping and mode shapes of the pier of the library, from its TOML file. Copy that
 file as a start for your own.
+
+Command: ``thermobearing structures show pier-p1 -o structure``
 """
 
 import thermobearing as tb
