@@ -19,6 +19,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+from docs import notebook
 from docs.builder import keys, pictures
 from thermobearing import cli  # noqa: F401 (it has all commands)
 from thermobearing.commands.descriptions import descriptions_text
@@ -631,6 +632,7 @@ def generated_texts() -> dict[Path, str]:
     pages_of_files = sorted((DOCS / "files").glob("*.md"))
     texts |= {path: keys.fill(path.read_text(encoding="utf-8")) for path in pages_of_files}
     texts[DESCRIPTIONS] = descriptions_text(COMMAND_FIELDS)
+    texts |= notebook.notebook_texts()
     bearing = DOCS / "files" / "bearing.md"
     return texts | {bearing: between(texts[bearing], "laws", laws_table())}
 
