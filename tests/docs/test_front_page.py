@@ -47,6 +47,10 @@ SEARCHED = {
 }
 
 
+# A word in the title of a page puts the page first among the results of a search.
+TITLES = {"lambda", "uplift", "buckling", "K-NET", "PEER", "fragility", "pelicun"}
+
+
 @cache
 def words_of(page: str) -> str:
     """Return the text of a page in lower case."""
@@ -55,7 +59,8 @@ def words_of(page: str) -> str:
 
 @pytest.mark.parametrize(("searched", "page"), SEARCHED.items())
 def test_a_searched_word_leads_to_its_page(searched: str, page: str) -> None:
-    assert re.search(rf"(?<!\w){re.escape(searched.lower())}(?!\w)", words_of(page))
+    text = words_of(page).partition("\n")[0] if searched in TITLES else words_of(page)
+    assert re.search(rf"(?<!\w){re.escape(searched.lower())}(?!\w)", text)
 
 
 def test_the_site_opens_with_a_sentence_a_picture_and_three_doors() -> None:
