@@ -6,6 +6,7 @@ repository. It prints the time of each. The first Python also runs tests from th
 distribution, and the tools that check the metadata, the citation and the conda recipe.
 """
 
+import hashlib
 import os
 import re
 import resource
@@ -145,8 +146,18 @@ def check_needs(
         assert f"thermobearing[{extra}]" in output, line
 
 
+def check_sums(folder: Path) -> None:
+    """Compare the files of a release with their SHA-256, where these have been written."""
+    sums = folder / "SHA256SUMS"
+    for line in sums.read_text(encoding="utf-8").splitlines() if sums.exists() else []:
+        digest, name = line.split("  ")
+        if hashlib.sha256((folder / name).read_bytes()).hexdigest() != digest:
+            sys.exit(f"{name} is not that of {sums.name}")
+
+
 def main(folder: Path, pythons: list[str]) -> None:
-    """Check the two files that `make dist` left in a folder."""
+    """Check the files that `make dist` left in a folder."""
+    check_sums(folder)
     (wheel,), (sdist,) = folder.glob("*.whl"), folder.glob("*.tar.gz")
     for file in (wheel, sdist):
         print(f"{file.stat().st_size / 1e6:6.2f} MB   {file.name}")

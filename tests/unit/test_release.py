@@ -10,6 +10,7 @@ import pytest
 
 import thermobearing
 from docs import release
+from tests.distribution import check_sums
 
 ROOT = Path(__file__).parents[2]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
@@ -62,6 +63,10 @@ def test_a_release_has_all_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyP
     for name, digest in sums.items():
         assert digest == hashlib.sha256((tmp_path / name.strip()).read_bytes()).hexdigest()
     assert (tmp_path / "notes.md").read_text(encoding="utf-8").startswith("## ")
+    check_sums(tmp_path)
+    (tmp_path / "notes.md").write_text("other", encoding="utf-8")
+    with pytest.raises(SystemExit, match=r"notes\.md"):
+        check_sums(tmp_path)
 
 
 def test_the_notes_are_the_newest_section_with_lines() -> None:

@@ -2,8 +2,10 @@
 
 import shlex
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+import typer
 
 from tests.docs.test_coverage import nothing_wrong_with_command
 from tests.unit.inputs import command
@@ -56,6 +58,8 @@ def test_a_bridge_with_a_bearing_of_ones_own(folder: Path) -> None:
 
 
 def test_tests_and_a_climate(folder: Path) -> None:
+    for name in ("cold test.csv", "warm.csv"):
+        (folder / name).touch()
     done = command(
         "start", "--tests", "cold test.csv", "--tests", "warm.csv", "--ambient", "cold-town", "-q"
     )
@@ -93,12 +97,34 @@ def test_the_questions_are_asked_at_a_terminal(
     assert case.bearings[0].name == "shen-lhdr-bridge"
 
 
+def test_a_broken_answer_and_an_interruption_end_with_a_status(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(start, "_answer", lambda question, default: default or "it's.csv")
+    done = command("start")
+    assert done.exit_code == 2
+    assert "it's.csv" in done.stderr
+    monkeypatch.undo()
+    monkeypatch.chdir(folder)
+
+    def abort(*_: object, **__: object) -> None:
+        raise typer.Abort
+
+    terminal = SimpleNamespace(isatty=lambda: True)
+    monkeypatch.setattr(start, "sys", SimpleNamespace(stdin=terminal, stdout=terminal))
+    monkeypatch.setattr(typer, "prompt", abort)
+    assert command("start").exit_code == 130
+    assert list(folder.iterdir()) == []
+
+
 @pytest.mark.parametrize(
     ("words", "parts"),
     [
         (["--bearing", "shen-hdr-brigde"], ["shen-hdr-bridge"]),
         (["--bearing", "mine.toml"], ["mine.toml", "thermobearing new"]),
         (["--bearing", "natural-rubber"], ["thermobearing new", "--compound natural-rubber"]),
+        (["--bearing", "mine.toml"], ["thermobearing new mine "]),
+        (["--tests", "nothing.csv"], ["nothing.csv"]),
         (["--bridge", "pier-p2"], ["pier-p1"]),
         (["--ambient", "-200"], ["-100 to 100"]),
         (["--ambient", "nan"], ["-100 to 100"]),

@@ -65,7 +65,9 @@ def _start(
     check_file(target, overwrite=overwrite)
     bearing = bearing or _answer("bearing", BEARING)
     _check_bearing(bearing)
-    records = tests if tests else shlex.split(_answer("tests", ""))
+    records = tests if tests else _split(_answer("tests", ""))
+    if missing := [name for name in records if not os.path.isfile(name)]:
+        raise InputError(f"tests = {missing[0]}: there is no such file")
     bridge = bridge if bridge is not None else _answer("bridge", "")
     cold = _cold_of(ambient or _answer("ambient", AMBIENT))
     text = _case_text(bearing, bridge, cold, target)
@@ -83,7 +85,18 @@ def _answer(question: str, default: str) -> str:
     """Return the answer to a question, at a terminal; elsewhere its default."""
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         return default
-    return str(typer.prompt(QUESTIONS[question], default=default, show_default=bool(default)))
+    try:
+        return str(typer.prompt(QUESTIONS[question], default=default, show_default=bool(default)))
+    except typer.Abort:  # Ctrl-C, or the end of the input
+        raise KeyboardInterrupt from None
+
+
+def _split(text: str) -> list[str]:
+    """Return names of files as a shell separates them: those with spaces are quoted."""
+    try:
+        return shlex.split(text)
+    except ValueError as error:
+        raise InputError(f"tests = {text}: {error}; quote names with spaces") from None
 
 
 def _check_bearing(bearing: str) -> None:
@@ -94,17 +107,17 @@ def _check_bearing(bearing: str) -> None:
     try:
         load_device(bearing)
     except InputError as error:
-        stem = Path(bearing).stem
-        if bearing in COMPOUNDS.names() or (
-            bearing.endswith(".toml") and not os.path.exists(bearing)
-        ):
-            compound = bearing if bearing in COMPOUNDS.names() else "natural-rubber"
-            advice = (
-                f"thermobearing new my-{stem} --compound {compound} --plan 1000x1000mm "
-                "--layers 20x8mm --shim 3mm"
-            )
-            raise InputError(f"{error}; derive a bearing with its sizes first: {advice}") from None
-        raise
+        is_compound = bearing in COMPOUNDS.names()
+        if not is_compound and (not bearing.endswith(".toml") or os.path.exists(bearing)):
+            raise
+        name, compound = Path(bearing).stem, "natural-rubber"
+        if is_compound:
+            name, compound = f"my-{bearing}", bearing
+        advice = (
+            f"thermobearing new {name} --compound {compound} --plan 1000x1000mm "
+            "--layers 20x8mm --shim 3mm"
+        )
+        raise InputError(f"{error}; derive a bearing with its sizes first: {advice}") from None
 
 
 def _cold_of(text: str) -> float:
