@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.test_coverage import nothing_wrong_with_command
+from tests.docs.test_coverage import OF_THE_USER, nothing_wrong_with_command
+from tests.unit.inputs import command
 
 DOCS = Path(__file__).parents[2] / "docs"
 INDEX = (DOCS / "index.md").read_text(encoding="utf-8")
@@ -95,3 +96,22 @@ def test_an_example_of_the_gallery_states_its_command(path: Path) -> None:
     assert match, path.name
     if match[1]:
         nothing_wrong_with_command(shlex.split(match[1]))
+
+
+def own_commands() -> list[list[str]]:
+    """Return the words of those commands of examples that need no file of the user."""
+    texts = [path.read_text(encoding="utf-8") for path in EXAMPLES]
+    lines = re.findall(r"^Command: ``thermobearing ([^`]+)``", "\n".join(texts), re.MULTILINE)
+    commands = [shlex.split(line) for line in lines]
+    return [words for words in commands if not OF_THE_USER & set(words)]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("words", own_commands(), ids=" ".join)
+def test_a_command_of_the_gallery_runs(
+    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = command(*words, "--no-figures", "--quiet")
+    assert done.exit_code == 0, done.stderr
+    assert any((tmp_path / words[-1]).iterdir())
