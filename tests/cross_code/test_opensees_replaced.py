@@ -1,6 +1,8 @@
 """Bearings of OpenSees that are replaced by served ones, in a model in space."""
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -63,6 +65,32 @@ def test_a_replaced_bearing_is_the_served_one(kind: str) -> None:
         resistance = element.set_trial(tuple(place), dt=DT).force
         element.commit()
     assert force == pytest.approx(np.asarray(resistance), rel=tol.OPENSEES_SERVED)
+
+
+def test_an_exported_structure_with_its_heat_is_that_of_this_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pier P1 of `write_structure`, on served bearings, against the same damping and step here."""
+    monkeypatch.chdir(tmp_path)
+    bearing, motion, duration = "shen-lhdr-bridge", "jra-ii-i-1", 13.0
+    tb.opensees.write_structure("pier-p1", "pier.py", bearing=bearing, motion=motion)
+    model, begin, analysis = Path("pier.py").read_text().partition("ops.timeSeries")
+    short = re.sub(r"analyze\(\d+", f"analyze({round(duration / DT)}", begin + analysis)
+    exec(compile(model, "pier.py", "exec"), {})
+    (tag,) = (tag for tag in ops.getEleTags() if ops.eleType(tag) in MAKERS)
+    count = tb.load_structure("pier-p1").bearings[0].count
+    with serve(bearing, ambient=AMBIENT, count=count, units="kN-m") as line:
+        replace_elements(ops, tag, line, directions=1, vertical=None)
+        exec(compile(short, "pier.py", "exec"), {"ops": ops})
+    (served,) = line.results().table.to_dict("records")
+    ours = tb.bridge(bearing, motion, [AMBIENT], duration=duration, damping="element", dt=DT)
+    (row,) = ours.table.to_dict("records")
+    for theirs, key in (
+        ("bearing_force_max_kN", "bearing_force_max_kN"),
+        ("strain_max", "bearing_strain_max"),
+    ):
+        assert served[theirs] == pytest.approx(row[key], rel=tol.OPENSEES_SERVED_PIER), key
+    assert served["bearing_force_max_kN"] > 500.0
 
 
 @pytest.fixture(scope="module")

@@ -402,7 +402,7 @@ def replace_elements(
     bearing: Line,
     *,
     directions: int | Sequence[int] = (1, 2),
-    vertical: int = 3,
+    vertical: int | None = 3,
 ) -> dict[int, str]:
     """Replace elastomeric bearings of a model in space by served ones, between the same nodes.
 
@@ -420,7 +420,8 @@ def replace_elements(
         of these elements stands for.
     directions : degrees of freedom in which the bearings shear, one or two of 1, 2 and 3.
     vertical : degree of freedom along the axis of the bearings. OpenSees does not state the
-        orientation of an element, so that this is not checked.
+        orientation of an element, so that this is not checked. With None, as for the structures of
+        `write_structure`, the bearings have no springs but those of `directions`.
 
     Returns
     -------
