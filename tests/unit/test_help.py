@@ -237,7 +237,7 @@ FIT = ("identify", "t.csv", "--bearing", "shen-hdr-specimen")
         (("cyclic", "--strain", "1", "--rest", "-5"), "thermobearing: --rest = -5.0: must be"),
         (("cyclic", "--strain", "1", "--cycles", "0"), "thermobearing: --cycles = 0: must be"),
         (("cyclic", "--strain", "1", "--ratio", "1"), "thermobearing: --ratio: applies only"),
-        (("bridge", "--axial-force", "1", "--codes", "x"), ': --codes: "x" must be'),
+        (("bridge", "--axial-force", "1", "--codes", "x"), "--codes = 'x': must be"),
         (("design", "--group", "x,y"), '--group: no bearing line is called "x"'),
         (("bridge", "--exposure", "stiffness=-1"), "--exposure stiffness = -1.0: must be"),
         (("bridge", "--exposure", "foo=1"), 'unknown key "--exposure foo"'),

@@ -22,7 +22,6 @@ from thermobearing.bearing.undecided import (
 )
 from thermobearing.cli import app
 from thermobearing.design.run import run_factors
-from thermobearing.earthquake.analysis import with_bands
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.model.options import build_model
 from thermobearing.studies.definition.case import make_study
@@ -170,10 +169,8 @@ def test_reports_name_what_is_not_decided() -> None:
 def test_a_specimen_outside_has_no_bands() -> None:
     outside = {"laboratory": {"specimen": "tcp://localhost:1"}, "ambient": [23.0]}
     outside |= {"bearings": ["shen-hdr-specimen"]}
-    case = make_earthquake_case({"command": "hybrid"}, "here", **outside)
-    found = tb.bridge(HDR, "jra-ii-i-1", 23, duration=0.1)
     with pytest.raises(tb.InputError, match="bands: a specimen outside"):
-        with_bands(found, case)
+        make_earthquake_case({"command": "hybrid"}, "here", bands=True, **outside)
 
 
 @pytest.mark.thorough

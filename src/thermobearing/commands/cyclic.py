@@ -19,7 +19,6 @@ from thermobearing.commands.common import (
     with_progress,
 )
 from thermobearing.commands.options import (
-    COMPARE,
     EXPOSURE,
     MODEL_OPTIONS,
     command,
@@ -47,6 +46,7 @@ SHORT = "strain cycles wave path ratio speed frequency period rest"  # of a test
     fields("model.options:ModelOptions", "model state", MODEL),
     MODEL_OPTIONS,
     fields("cyclic.case:Analysis", "axial axial_factor", MODEL),
+    fields("cyclic.case:Case", "compare", MODEL),
     fields("cyclic.case:Analysis", "keep_every", RESULT),
     examples="cyclic --bearing shen-lhdr-specimen --ambient -20 --ambient 23 -o my-run\n"
     "cyclic --strain 1.75 --wave sine --frequency 0.5 --cycles 11\n"
@@ -61,7 +61,6 @@ def _cyclic(
     ],
     options: dict[str, Any],
     exposure: EXPOSURE,
-    compare: COMPARE,
     complete: Annotated[
         bool,
         option(
@@ -96,7 +95,7 @@ def _cyclic(
     if size > WORTH_TELLING and not end.quiet:
         typer.echo(f"histories: up to {megabytes(size)} before compression", err=True)
     result = with_progress(lambda show: run_case(loaded, progress=show), "stepping", end.quiet)
-    if compare and result.outcome == "completed":
+    if loaded.compare and result.outcome == "completed":
         if len(result.cycles) == 0:
             raise InputError("--compare needs a test with cycles")
         result.compared = compare_models(loaded)

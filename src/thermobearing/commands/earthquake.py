@@ -24,7 +24,6 @@ from thermobearing.commands.common import (
     with_progress,
 )
 from thermobearing.commands.options import (
-    COMPARE,
     EXPOSURE,
     MODEL_OPTIONS,
     Fields,
@@ -81,15 +80,6 @@ COMPONENTS = Annotated[
         panel=INPUT,
     ),
 ]
-BANDS = Annotated[
-    bool,
-    option(
-        "--bands",
-        help="Also analyse what tests do not decide: the rate dependence above their rates, and "
-        "small loops.",
-        panel=MODEL,
-    ),
-]
 INPUTS = fields(
     "earthquake.case:EarthquakeCase",
     "bearings motions ambient weather structure duration rig axial_force",
@@ -97,6 +87,7 @@ INPUTS = fields(
     bearings="--bearing|Bearing: library name or TOML file.",
     motions="--motion|Ground motion: library name or file.",
 )
+FURTHER = fields("earthquake.case:FurtherAnalyses", "compare bands", MODEL)
 PAIRS = fields("earthquake.motions:Motion", "resample", INPUT)
 ANALYSIS = fields(
     "earthquake.case:EarthquakeAnalysis",
@@ -144,8 +135,6 @@ def _add(name: str, purpose: str, *groups: Fields, examples: str) -> None:
         components: COMPONENTS,
         fixed_base: FIXED_BASE,
         exposure: EXPOSURE,
-        compare: COMPARE,
-        bands: BANDS,
         end: Ending,
     ) -> Answer:
         from thermobearing.border.schema import overridden
@@ -156,42 +145,31 @@ def _add(name: str, purpose: str, *groups: Fields, examples: str) -> None:
             make_earthquake_case,
         )
 
-        checks = {key: options.pop(key) for key in ("codes", "rotation", "zone") if key in options}
         laboratory = {key: options.pop(key) for key in Laboratory.model_fields if key in options}
         options["laboratory"] = overridden({}, laboratory, Laboratory) or None
         options["motions"] = _with_pairs(options, across, angle, case)
-        options["components"], both_components = analysis.one_or_both(components)
+        options |= analysis.one_or_both(components)
         options |= {"fixed_base": fixed_base or None, "exposure": exposure_table(exposure)}
         if case is None:
             loaded = make_earthquake_case({"command": name}, "command line", **options)
         else:
             loaded = load_earthquake_case(case, command=name, **options)
-        if loaded.limits is not None:
-            checks.setdefault("codes", loaded.limits.codes)
-        if "codes" in checks:
-            from thermobearing.design.provisions import check_bearings, load_codes
-
-            load_codes(**checks, may_be_none=loaded.limits is not None)  # before the analysis
         target = end.target(f"{loaded.command}-{loaded.structure.name}")
-        if compare:
-            analysis.refuse_incomparable(loaded)
         predicted = loaded.analysis.method == "predictor-corrector"
         result = with_progress(
-            lambda show: analysis.analyse(
-                loaded, several=both_components, bands=bands, progress=show
-            ),
+            lambda show: analysis.analyse(loaded, progress=show),
             "runs",
             end.quiet,
             "structure.predictor.predictor_march" if predicted else STRUCTURES,
         )
-        if compare and result.outcome == "completed":
-            result.compared = analysis.compare_models(loaded)
-        if "codes" in checks:
-            result = check_bearings(result, **checks)
+        if loaded.checked_codes is not None:
+            from thermobearing.design.provisions import check_bearings
+
+            result = check_bearings(result, loaded.checked_codes)
         return end.save(result, target)
 
     _analyse.__doc__ = purpose
-    groups_of_options = (*groups, INPUTS, PAIRS, ANALYSIS, MODEL_OPTIONS)
+    groups_of_options = (*groups, INPUTS, PAIRS, ANALYSIS, MODEL_OPTIONS, FURTHER)
     command(app, name, *groups_of_options, examples=examples, panel=ANALYSES, laws=True)(_analyse)
 
 
@@ -199,13 +177,8 @@ _add(
     "bridge",
     "Analyse a structure on isolation bearings in earthquakes, at several temperatures.",
     fields(
-        "design.provisions:check_bearings",
-        "codes rotation zone",
-        "Checks",
-    ),
-    fields(
         "earthquake.case:EarthquakeCase",
-        "limits",
+        "codes rotation zone limits",
         "Checks",
         limits="||FILE",
     ),

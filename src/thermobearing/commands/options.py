@@ -116,14 +116,6 @@ REPORT_OPTIONS = {
     "template": Template,
     "no_live": NoLive,
 }
-COMPARE = Annotated[
-    bool,
-    option(
-        "--compare",
-        help="Compare the result with earlier models; for a path, with a test on a line.",
-        panel=MODEL,
-    ),
-]
 LAW = Annotated[
     list[str] | None,
     option(

@@ -439,6 +439,7 @@ class Case(Conditioning):
     axial_force : axial force on the bearing [kN], positive in compression; adds checks. It acts on
         the shear force with `axial = "constant"` in `analysis` only.
     axial_history : an axial force that varies in time, with `axial = "history"`.
+    compare : compare the result with earlier models; for a path, with a test on a line.
     """
 
     bearing: Bearing
@@ -453,6 +454,7 @@ class Case(Conditioning):
     rig: Rig | None = None
     axial_force: AxialForce | None = None
     axial_history: AxialHistory | None = None
+    compare: bool | None = None
     analysis: Analysis = Analysis()
     # Of the numbers of bearing and rig, by name and dotted key; for documents only
     sources: dict[str, dict[str, str]] | None = None

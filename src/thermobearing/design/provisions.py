@@ -13,11 +13,11 @@ from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Plan
 from thermobearing.border.arguments import checked
-from thermobearing.border.errors import InputError, nearest
+from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import xr
 from thermobearing.border.library import read_data
-from thermobearing.border.schema import Strict, validated
-from thermobearing.border.units import NEWTON_PER_KILONEWTON, is_number, one_or_several
+from thermobearing.border.schema import Strict, overridden, validated
+from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
 from thermobearing.design.peaks import PeakRule, few_motions, mean_group, peaks_by_part
 from thermobearing.earthquake.case import EarthquakeCase
@@ -35,6 +35,9 @@ from thermobearing.model.checks import (
 )
 from thermobearing.model.limits import (
     PERCENT,
+    ZONES,
+    Code,
+    CodeChecks,
     Limits,
     load_limits,
 )
@@ -42,7 +45,6 @@ from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.results.ranges import Row
 from thermobearing.results.writing import as_attribute, warnings_attributes
 
-Code = Literal["jra", "aashto"]
 Measure = Literal[
     "shear_strain",
     "total_strain",
@@ -53,7 +55,6 @@ Measure = Literal[
     "rotation",
 ]
 LEVEL_1 = "level 1"  # begins the groups of motions of Level 1
-LARGEST_ROTATION, ZONES = 0.2, (1, 2, 3, 4)  # [rad]; of AASHTO
 WIDTH = 98  # of comments in a file of limits, in letters
 PLANE_DIRECTIONS = np.linspace(
     0.0, 0.5 * math.pi, 91
@@ -111,24 +112,17 @@ class _Codes(Strict):
 _load_provisions = partial(read_data, _Codes, "design", "provisions.toml")
 
 
-def load_codes(
-    codes: Sequence[str] | str, rotation: float = 0.0, zone: int = 4, *, may_be_none: bool = False
-) -> list[_Code]:
-    """Return codes by name; refuse other arguments that `check_bearings` does."""
+def load_codes(codes: Sequence[str] | str) -> list[_Code]:
+    """Return codes by name, each once."""
     codes_by_name: dict[str, _Code] = {code.name: code for code in _load_provisions().codes}
-    names = [str(name) for name in one_or_several(codes) or [""] * (not may_be_none)]
-    faults = [
-        f'codes: "{name}" must be "jra" or "aashto"{nearest(name, codes_by_name)}'
-        for name in names
-        if name not in codes_by_name
-    ]
-    if not (is_number(rotation) and 0.0 <= rotation <= LARGEST_ROTATION):
-        faults.append(f"rotation = {rotation!r}: must be 0 to {LARGEST_ROTATION:g} rad")
-    if isinstance(zone, bool) or zone not in ZONES:
-        faults.append(f"zone = {zone!r}: must be 1, 2, 3 or 4")
-    if faults:
-        raise InputError(faults, "check_bearings()")
+    names = _as_settings(codes).codes or ()
     return [codes_by_name[name] for name in dict.fromkeys(names)]
+
+
+def _as_settings(codes: Any, rotation: Any = None, zone: Any = None) -> CodeChecks:
+    """Return what bearings are checked after; refuse what a case refuses too."""
+    changes = {"codes": [None] if codes is None else codes, "rotation": rotation, "zone": zone}
+    return validated(CodeChecks, overridden({}, changes, CodeChecks), "check_bearings()")
 
 
 class _Demand(NamedTuple):
@@ -220,15 +214,13 @@ def _uplift(check: _CodeCheck, demand: _Demand) -> tuple[float, float, str]:
     return demand.axial_force, -check.limit * area / NEWTON_PER_KILONEWTON, "kN"
 
 
-def _checks(
-    code: _Code, demand: _Demand, part: str, zone: int, limits: Limits | None
-) -> list[Check]:
+def _checks(code: _Code, demand: _Demand, part: str, case: EarthquakeCase) -> list[Check]:
     """Return the rows of one bearing; those of other zones are left out."""
     checks = []
     for stated in code.checks:
-        if zone not in stated.zones:
+        if case.seismic_zone not in stated.zones:
             continue
-        check, entered = _with_entered(stated, code, limits)
+        check, entered = _with_entered(stated, code, case.limits)
         if check.measure == "shear_strain":
             displacement = demand.displacement[check.level]
             numbers = displacement / demand.rubber, check.limit, "1"
@@ -244,12 +236,24 @@ def _checks(
         properties: dict[str, Any] = {"least": tension, "of_model": tension and not entered}
         value, limit, _ = numbers
         clause = (_missing(check, demand) if math.isnan(value) else "") + check.clause
+        clause += _counts_on(check, case)
         if math.isinf(value) or (check.measure == "buckling" and limit == 0.0):
             clause += "; top and bottom no longer overlap"
         checks.append(
             Check(check.what, *numbers, clause, part=part, unverified=not entered, **properties)
         )
     return checks
+
+
+def _counts_on(check: _CodeCheck, case: EarthquakeCase) -> str:
+    """Return the design rotation or zone that a check counts on, and whether it is the default."""
+    default = " (default)"
+    if check.measure in ("total_strain", "rotation"):
+        marked = default * (case.rotation is None)
+        return f"; design rotation {case.design_rotation:g} rad{marked}"
+    if check.zones != ZONES:
+        return f"; zone {case.seismic_zone}{default * (case.zone is None)}"
+    return ""
 
 
 def _displacements(
@@ -276,8 +280,8 @@ def check_bearings(
     result: EarthquakeResult,
     codes: str | Sequence[Code] = ("jra",),
     *,
-    rotation: float = 0.0,
-    zone: int = 4,
+    rotation: float | None = None,
+    zone: int | None = None,
     limits: Limits | str | Path | dict[str, Any] | None = None,
 ) -> EarthquakeResult:
     """Check the bearings of an analysed bridge according to design codes, without a new analysis.
@@ -295,8 +299,9 @@ def check_bearings(
         buckling have no demand.
     codes : codes to check the bearings after: "jra", JRA V (2017), and "aashto", AASHTO GSID
         (2014); may be empty with `limits`.
-    rotation : design rotation of the bearings [rad], in [0, 0.2].
-    zone : seismic zone of AASHTO, a number from 1 to 4.
+    rotation : design rotation of the bearings [rad], in [0, 0.2]; by default that of the analysis,
+        or 0.
+    zone : seismic zone of AASHTO, a number from 1 to 4; by default that of the analysis, or 4.
     limits : limits that an office has confirmed: a file (`thermobearing limits new` writes one) or
         a table by code and check, each with value, edition, clause and entered_by; those of the
         analysis by default.
@@ -304,7 +309,9 @@ def check_bearings(
     Returns
     -------
     EarthquakeResult : with further rows in `bearing_checks`, a table of each code, and checks in
-        its report. Of an analysis that did not complete, no rows but a warning for each code.
+        its report; its case states codes, rotation, zone and limits. Codes of an earlier check are
+        checked again with this rotation and zone. Of an analysis that did not complete, no rows
+        but a warning for each code.
 
     Raises
     ------
@@ -328,10 +335,18 @@ def check_bearings(
     # A mean over some of the motions would not be that of the code.
     if result.outcome == "completed" and result.table["motion"].nunique() < len(case.motions):
         raise InputError("the result has a part of its motions; give all", "check_bearings()")
-    if limits is None:
-        limits = case.limits
-    chosen = load_codes(codes, rotation, zone, may_be_none=limits is not None)
-    # Rows of the same codes, from an earlier check, are replaced; those of other codes stay.
+    settings = _as_settings(codes, rotation, zone)
+    # Rows of all codes count on one rotation and one zone, which the case states.
+    update = {
+        "limits": case.limits if limits is None else limits,
+        "codes": tuple(dict.fromkeys((*(case.codes or ()), *(settings.codes or ())))),
+        "rotation": case.rotation if settings.rotation is None else settings.rotation,
+        "zone": case.zone if settings.zone is None else settings.zone,
+    }
+    case = case.model_copy(update=update)
+    if faults := case.faults():
+        raise InputError(faults, "check_bearings()")
+    chosen, limits = load_codes(case.checked_codes or []), case.limits
     titles = [code.title for code in chosen]
     rows: list[Row] = [
         _limited(row, limits)
@@ -341,7 +356,7 @@ def check_bearings(
     warnings: list[str] = [*result.stored_warnings]
     for code in chosen:
         if result.outcome == "completed":
-            code_rows = _rows(result, case, code, rotation, zone, limits)
+            code_rows = _rows(result, case, code)
             starred = any(row["unverified"] and not math.isnan(row["limit"]) for row in code_rows)
             unverified = f"not checked against the published text: {code.citation}"
             code_warnings = [Warned(unverified, "unverified_code")] * starred
@@ -356,9 +371,8 @@ def check_bearings(
             text for message in code_warnings if (text := message.about(code.title)) not in warnings
         ]
         rows += code_rows
-    attributes = {"bearing_checks": as_attribute(rows)} | warnings_attributes(warnings)
-    if limits != case.limits:
-        attributes["case"] = case.model_copy(update={"limits": limits}).to_toml()
+    attributes = {"bearing_checks": as_attribute(rows), "case": case.to_toml()}
+    attributes |= warnings_attributes(warnings)
     checked = EarthquakeResult(result.dataset.assign_attrs(attributes))
     checked.compared, checked.one_component = result.compared, result.one_component
     return checked
@@ -371,14 +385,7 @@ def _limited(row: Row, limits: Limits | None) -> Row:
     return row if limit is None else with_limit(dict(row), limit.number, limit.describe())
 
 
-def _rows(
-    result: EarthquakeResult,
-    case: EarthquakeCase,
-    code: _Code,
-    rotation: float,
-    zone: int,
-    limits: Limits | None,
-) -> list[Row]:
+def _rows(result: EarthquakeResult, case: EarthquakeCase, code: _Code) -> list[Row]:
     """Return the rows of all bearings and temperatures."""
     device_by_line = {item.line: item.bearing for item in case.lines if item.bearing is not None}
     names, forces = [line.name for line in case.structure.bearings], case.axial_forces()
@@ -403,11 +410,11 @@ def _rows(
                 device.total_rubber_thickness,
                 forces.get(line, math.nan),
                 {level: float(values[k]) for level, values in displacements.items()},
-                rotation,
+                case.design_rotation,
                 math.nan if bearing is None else checked_modulus(bearing, float(ambient)),
                 directions,
             )
-            checks = _checks(code, demand, line if len(names) > 1 else "", zone, limits)
+            checks = _checks(code, demand, line if len(names) > 1 else "", case)
             where = ", ".join([f"{float(ambient):g} degC", *qualifiers])
             rows += check_rows(where, device.name, checks, code.title)
     return rows

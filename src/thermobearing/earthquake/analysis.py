@@ -141,35 +141,38 @@ def bridge(
     True
     """
     table = _table(bearing, motion, ambient, model, initial, keep, options)
-    table |= {"structure": structure, "lines": lines, "rig": rig}
-    table["components"], several = one_or_both(components)
+    table |= {"structure": structure, "lines": lines, "rig": rig, "bands": bands or None}
+    table |= one_or_both(components)
     case = make_earthquake_case({"command": "bridge"}, "bridge()", **table)
-    return analyse(case, several=several, bands=bands, executor=executor, progress=progress)
+    return analyse(case, executor=executor, progress=progress)
 
 
 def analyse(
     case: EarthquakeCase,
     *,
-    several: bool = False,
-    bands: bool = False,
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> EarthquakeResult:
-    """Return the result of a case, also with one component (`several`) and with bands if wanted."""
-    run = compare_components if several else run_earthquake
+    """Return the result of a case, with the further analyses that it states."""
+    if case.compare:
+        refuse_incomparable(case)
+    run = compare_components if case.compare_components else run_earthquake
     result = run(case, executor=executor, progress=progress)
-    if not bands or result.outcome == INTERRUPTED:
-        return result
-    return with_bands(result, case, executor=executor, progress=progress)
+    if case.bands and result.outcome != INTERRUPTED:
+        result = with_bands(result, case, executor=executor, progress=progress)
+    if case.compare and result.outcome == "completed":
+        result.compared = compare_models(case)
+    return result
 
 
-def one_or_both(components: Any) -> tuple[Any, bool]:
-    """Return the number of components of a case, and whether one and two are compared."""
+def one_or_both(components: Any) -> dict[str, Any]:
+    """Return what a case states for one or several numbers of components."""
     if not isinstance(components, list | tuple):  # the case checks one
-        return components, False
+        return {"components": components}
     if len(components) > 1 and sorted(components) != [1, 2]:
         raise InputError(f"components = {components!r}: must be 1, 2, or both")
-    return (max(components) if components else None), len(components) > 1
+    both = len(components) > 1 or None
+    return {"components": max(components) if components else None, "compare_components": both}
 
 
 @checked
@@ -377,8 +380,6 @@ def with_bands(
     Every layered bearing has each of its `alternatives` once. One that the case does not allow,
     such as closed small loops in a plane, is left out.
     """
-    if case.specimen is not None:
-        raise InputError("bands: a specimen outside has no other law", case.command)
     law = case.analysis.small_loops
     devices = [*case.bearings, *(line.bearing for line in case.lines)]
     layered = [bearing for bearing in devices if isinstance(bearing, Bearing)]

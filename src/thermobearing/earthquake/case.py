@@ -32,7 +32,7 @@ from thermobearing.earthquake.motions import Motion, settle_motions
 from thermobearing.model.axial import AxialFactor
 from thermobearing.model.effort import MOST_OF, too_many
 from thermobearing.model.handover import SpecimenState, misfit
-from thermobearing.model.limits import Limits, load_limits
+from thermobearing.model.limits import CodeChecks, load_limits
 from thermobearing.model.options import ModelOptions, build_model, line_only_faults, outdoors
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
@@ -306,7 +306,23 @@ class EarthquakeAnalysis(ModelOptions, Stepping):
         return keep
 
 
-class EarthquakeCase(Strict):
+class FurtherAnalyses(Strict):
+    """What is analysed besides the runs of a case; neither changes them.
+
+    Attributes
+    ----------
+    compare : compare the result with earlier models; for a path, with a test on a line.
+    bands : also analyse what tests do not decide: the rate dependence above their rates, and small
+        loops.
+    compare_components : compare two horizontal components that act together with one at a time.
+    """
+
+    compare: bool | None = None
+    bands: bool | None = None
+    compare_components: bool | None = None
+
+
+class EarthquakeInput(Strict):
     """Every combination of bearing, motion, ambient temperature and mode is one run.
 
     Attributes
@@ -329,8 +345,6 @@ class EarthquakeCase(Strict):
     rig : test rig (name or file); a warning names the limits that a run exceeds.
     axial_force : axial force on one bearing [kN], positive in compression, in [-1e6, 1e6], for
         checks of stress and critical load.
-    limits : file of the limits of checks that an office has confirmed (`thermobearing limits new`).
-        Codes that it has limits of are checked.
     """
 
     command: Command
@@ -346,8 +360,11 @@ class EarthquakeCase(Strict):
     lines: Annotated[tuple[OnLine, ...], Field(max_length=40)] = ()
     rig: Rig | None = None
     axial_force: AxialForce | None = None
-    limits: Limits | None = None
     sources: dict[str, dict[str, str]] | None = None
+
+
+class EarthquakeCase(FurtherAnalyses, CodeChecks, EarthquakeInput):
+    """The runs of an earthquake analysis, the checks of its bearings, and further analyses."""
 
     @property
     def climates(self) -> int:
@@ -418,10 +435,9 @@ class EarthquakeCase(Strict):
         faults += _lines_faults(self.lines, self.structure)
         if self.initial_state is not None:
             faults += self._misfits_of_state()
-        if self.limits is not None and self.command != "bridge":
-            faults.append(
-                "limits: only the bearings of a bridge are checked after codes; omit them"
-            )
+        faults += self.code_faults(of_bridge=self.command == "bridge")
+        if self.bands and self.specimen is not None:
+            faults.append("bands: a specimen outside has no other law")
         # The other methods try a step several times; a real specimen can be moved once only, and
         # errors of the actuator are those of one move.
         repeats_steps = self.analysis.method != "predictor-corrector"

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from thermobearing import reported
 from thermobearing.border.schema import validated
+from thermobearing.border.units import with_unit
 from thermobearing.cyclic.report import rig_table
 from thermobearing.earthquake.answer import (
     Shown,
@@ -45,7 +46,7 @@ from thermobearing.earthquake.properties import (
 )
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import structure_balance
-from thermobearing.model.limits import Limits
+from thermobearing.model.limits import CODE_KEYS, CodeChecks, Limits
 from thermobearing.model.options import outdoors
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
@@ -100,6 +101,8 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         tables["lines"] = _lines_table(case)
     climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
     tables["climate"] = input_table("Ambient temperature and duration", climate, otherwise="input")
+    if codes := case.get("codes"):
+        tables["codes"] = _codes_table(case, codes)
     if "laboratory" in case:
         lab = {"laboratory": case["laboratory"]}
         tables["laboratory"] = input_table("Laboratory", lab, otherwise="input, or default")
@@ -117,6 +120,15 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         case["analysis"], EarthquakeAnalysis(**defaults), default_sources
     )
     return tables
+
+
+def _codes_table(case: Case, codes: list[str]) -> Table:
+    """Return what the checks after codes count on, and which of it is the default."""
+    checks = validated(CodeChecks, {key: case[key] for key in CODE_KEYS if key in case}, "codes")
+    values: dict[str, Any] = {"codes": ", ".join(codes), "zone": checks.seismic_zone}
+    values["rotation"] = with_unit(checks.design_rotation, "rad")
+    sources = {key: "input" if key in case else reported.DEFAULT for key in values}
+    return input_table("Checks of bearings after codes", values, sources)
 
 
 def _lines_table(case: Case) -> Table:

@@ -18,6 +18,7 @@ from thermobearing.earthquake import earlier, measures, tables
 from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
 from thermobearing.earthquake.properties import nominal_stiffness
+from thermobearing.model.limits import CODE_KEYS
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
@@ -642,12 +643,14 @@ class EarthquakeResult(DatasetResult):
             compared["two_components_over_one"] = rows.to_dict("records")
         if len(self.bands):
             compared[BANDS] = self.bands.to_dict("records")
+        case = tomllib.loads(str(attrs["case"]))
         return {
             "command": attrs["command"],
             "bearing": names[0] if len(names) == 1 else names,
             **{key: attrs[key] for key in ("structure", "mass", "method", "scheme", "version")},
             "outcome": self.outcome,
             "warnings": self.warnings,
+            **{key: case[key] for key in CODE_KEYS if key in case},
             **self._limits_summary(),
             "periods_s": _numbers(attrs.get("periods_s", [])),
             "damping": attrs["damping"],

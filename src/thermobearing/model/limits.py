@@ -5,16 +5,21 @@ file of limits replaces them, one table for each limit, such as `[jra.level_2_sh
 """
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from thermobearing.border.schema import OneLine, Strict, in_unit, validated
 from thermobearing.border.toml import read_toml
+from thermobearing.border.units import one_or_several
 
 PERCENT = 100.0  # in 1
 EMPTY = 'states no limit; remove the "# " before the lines of each limit that you have confirmed'
 Words = Annotated[str, Field(min_length=1, max_length=200), OneLine]
+Code = Literal["jra", "aashto"]
+ZONES = (1, 2, 3, 4)  # seismic zones of AASHTO
+CODE_KEYS = ("codes", "rotation", "zone")  # of a case, for its documents
+DEFAULT_ROTATION, DEFAULT_ZONE = 0.0, 4  # [rad]; where a case states none
 
 
 class Limit(Strict):
@@ -142,11 +147,59 @@ class Limits(Strict):
         return limit
 
     @property
-    def codes(self) -> list[str]:
+    def codes(self) -> list[Code]:
         """The codes that have a limit here."""
-        return [name for name in ("jra", "aashto") if getattr(self, name).model_fields_set]
+        return [name for name in get_args(Code) if getattr(self, name).model_fields_set]
 
 
 def load_limits(file: str | Path) -> Limits:
     """Return the limits of a file; an error names key, value, unit and allowed range."""
     return validated(Limits, read_toml(Path(file)), str(file))
+
+
+class CodeChecks(Strict):
+    """What the bearings of a bridge are checked after.
+
+    Attributes
+    ----------
+    codes : codes to check the bearings after: "jra", JRA V (2017), and "aashto", AASHTO GSID
+        (2014); may be empty with `limits`.
+    rotation : design rotation of the bearings [rad], in [0, 0.2]; 0 by default.
+    zone : seismic zone of AASHTO, a number from 1 to 4; 4 by default.
+    limits : file of the limits of checks that an office has confirmed (`thermobearing limits new`).
+        Codes that it has limits of are checked.
+    """
+
+    codes: Annotated[tuple[Code, ...], BeforeValidator(one_or_several)] | None = None
+    rotation: Annotated[float, in_unit("rad"), Field(ge=0, le=0.2)] | None = None
+    zone: Annotated[int, Field(ge=ZONES[0], le=ZONES[-1])] | None = None
+    limits: Limits | None = None
+
+    @property
+    def checked_codes(self) -> list[Code] | None:
+        """The codes that bearings are checked after; None where there are no such checks."""
+        if self.codes is not None:
+            return list(dict.fromkeys(self.codes))
+        return None if self.limits is None else self.limits.codes
+
+    @property
+    def design_rotation(self) -> float:
+        """The design rotation that the checks count on [rad]."""
+        return DEFAULT_ROTATION if self.rotation is None else self.rotation
+
+    @property
+    def seismic_zone(self) -> int:
+        """The seismic zone that the checks count on."""
+        return DEFAULT_ZONE if self.zone is None else self.zone
+
+    def code_faults(self, *, of_bridge: bool) -> list[str]:
+        """Return what bearings cannot be checked after; those of a hybrid test after nothing."""
+        keys = [key for key in CodeChecks.model_fields if getattr(self, key) is not None]
+        if not of_bridge:
+            reason = "only the bearings of a bridge are checked after codes; omit them"
+            return [f"{key}: {reason}" for key in keys]
+        if self.checked_codes is None:
+            return [f"{key}: needs codes or limits, whose checks count on it" for key in keys]
+        if not self.checked_codes and self.limits is None:
+            return ["codes: must have at least one entry, or give limits"]
+        return []

@@ -18,9 +18,15 @@ from thermobearing.border.opener import is_file
 from thermobearing.border.schema import Strict, validated
 from thermobearing.border.title import case_table
 from thermobearing.border.units import with_unit
-from thermobearing.earthquake.case import EarthquakeCase, make_earthquake_case, settle_surroundings
+from thermobearing.earthquake.case import (
+    EarthquakeCase,
+    FurtherAnalyses,
+    make_earthquake_case,
+    settle_surroundings,
+)
 from thermobearing.earthquake.motions import settle_motions
 from thermobearing.identify.uncertainty.samples import posterior_bearings
+from thermobearing.model.limits import CodeChecks
 from thermobearing.motions.record import GroundMotion
 from thermobearing.results.directory import IDENTIFIED, SAMPLES
 from thermobearing.structure.model import load_structure
@@ -46,6 +52,8 @@ REFUSED = {
     "initial_state": "the bearings of a study have no earlier loading",
     "initial_result": "the bearings of a study have no earlier loading",
     "rig": "a study has no rig",
+    **dict.fromkeys(CodeChecks.model_fields, "a study checks no bearings after codes"),
+    **dict.fromkeys(FurtherAnalyses.model_fields, "a study has its own runs only"),
 }
 STUDIES = Library("study", "studies")
 

@@ -24,8 +24,10 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.schema import Strict, validated
 from thermobearing.core.records import Floats, Ints
+from thermobearing.earthquake.case import FurtherAnalyses
 from thermobearing.earthquake.motions import Motion
 from thermobearing.identify.uncertainty.samples import posterior_bearings
+from thermobearing.model.limits import CodeChecks
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.studies.definition.motions import factor_motions, motion_levels
@@ -318,8 +320,9 @@ def _without_later_keys(table: Any) -> Any:
 
 def _shared_digest(study: Study) -> bytes:
     """Return a digest of the case without factors and texts, and of the weather."""
-    # Limits of checks and of the rig change no result.
+    # Checks and limits of the rig change no result; a study has no further analyses.
     apart = {"structure", "bearings", "motions", "ambient", "weather", "sources", "rig", "limits"}
+    apart |= {*CodeChecks.model_fields, *FurtherAnalyses.model_fields}
     table = study.case.model_dump(exclude=apart)
     for key in ("keep", "keep_every"):
         table["analysis"].pop(key)
