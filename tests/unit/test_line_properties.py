@@ -36,6 +36,7 @@ from thermobearing.earthquake.properties import (
 )
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.model.constants import softening_beyond_tests
 from thermobearing.structure.matrices import (
     build_matrices,
     find_modes,
@@ -95,7 +96,9 @@ def test_links_state_cycle_and_rubber(pier: EarthquakeResult) -> None:
     lines = line_properties(pier)
     layered = lines["bearing"] == HDR
     assert set(lines.loc[layered, "cycle"]) == {3}
-    assert _links(pier, lines).count("third cycle, scragged rubber") == int(layered.sum())
+    assert _links(pier, lines).count("third cycle without heating, scragged rubber") == int(
+        layered.sum()
+    )
 
 
 @pytest.mark.parametrize("temperature", quick_cases([23.0, -20.0], 1))
@@ -207,7 +210,7 @@ def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
     peak = result.table.set_index("bearing").loc[HDR, "bearing_force_max_kN"]
     assert_allclose(stiffness * moved, peak, rtol=0.05)
     text = _links(result, line_properties(result))
-    assert "first cycle, virgin rubber" in text
+    assert "first cycle without heating, virgin rubber" in text
     assert f"{rows.loc[HDR, 'over_scragged']:.2f} times" in text
     file = tb.load_bilinear(BILINEAR)
     assert_allclose(rows.loc[BILINEAR, "Q_d_kN"], 1.5 * file.strength)
@@ -339,6 +342,76 @@ def test_numbers_that_were_not_measured_are_marked(pier: EarthquakeResult) -> No
     sources = {"lead.yield_stress": "compound a; chosen", COEFFICIENTS[0]: "borrowed from b; c"}
     assert assumed_properties(sources, at_reference=True) == ("lead.yield_stress",)
     assert assumed_properties(sources, at_reference=False)[1] == COEFFICIENTS[0]
+
+
+COLDER = -30.0  # than the tests of the rubber, whose law is of -20 to 34 degC
+
+
+@pytest.fixture(scope="module")
+def cold_states() -> dict[str, EarthquakeResult]:
+    states = {"scragged": {}, "virgin": {"state": "virgin"}}
+    motion = {"motion": "jra-ii-i-1", "ambient": [23, COLDER], "duration": 6}
+    return {name: tb.bridge(HDR, **motion, **state) for name, state in states.items()}
+
+
+def _marked_rows(result: EarthquakeResult) -> set[int]:
+    return {row for row, _ in build_pieces(result).tables["properties"].marked}
+
+
+def test_temperatures_outside_the_law_of_the_rubber_are_marked(
+    cold_states: dict[str, EarthquakeResult],
+) -> None:
+    """10 K below the law: in links.txt, in the column `assumed` and in the table of the report."""
+    result = cold_states["scragged"]
+    lines = line_properties(result).set_index("ambient_degC")
+    assert lines["assumed"].to_dict() == {23.0: "", COLDER: "temperature_law"}
+    assert lines["outside_law_K"].to_dict() == {23.0: 0.0, COLDER: -10.0}
+    warm, cold = _links(result, lines.reset_index()).split("\n\n")[1:]
+    for words in ("effective stiffness", "effective damping ratio", "yield strength"):
+        assert (f"{words} (assumed)" in warm, f"{words} (assumed)" in cold) == (False, True)
+    assert "10 K below" in cold
+    assert _marked_rows(result) == {1}
+
+
+def test_assumed_excess_of_virgin_rubber_is_marked(
+    cold_states: dict[str, EarthquakeResult],
+) -> None:
+    result = cold_states["virgin"]
+    lines = line_properties(result)
+    assert lines["assumed"].tolist() == ["scragging", "scragging temperature_law"]
+    text = _links(result, lines)
+    assert text.count("effective stiffness (assumed)") == len(lines)
+    assert "--state tested" in text
+    assert "vertical stiffness (assumed)" not in text  # that of scragged rubber
+    assert _marked_rows(result) == {0, 1}
+    stated = tb.changed_bearing(HDR, scragging={"amplitude": 0.2})
+    result = tb.bridge(stated, "jra-ii-i-1", 23, duration=3)
+    assert line_properties(result)["assumed"].tolist() == [""]
+
+
+def test_lower_values_state_the_strength_of_warm_lead() -> None:
+    """sigma_Y exp(-E2 dT): the strength at the highest temperature of the lead in the run."""
+    result = tb.bridge("lrb-example", "jra-ii-i-1", 23, duration=20)
+    lines = line_properties(result)
+    (row,) = lines.to_dict("records")
+    lead = tb.load_bearing("lrb-example").lead
+    assert lead is not None
+    assert row["lead_degC"] == pytest.approx(result.hottest(0)["lead"])
+    rates = lead.softening, softening_beyond_tests(lead)
+    assert rates[0] == rates[1]
+    fall = math.exp(-rates[0] * (row["lead_degC"] - 23.0))
+    assert_allclose(row["Q_d_heated_kN"], fall * row["Q_d_kN"], rtol=2e-3)
+    assert f"Q_d {row['Q_d_heated_kN']:.1f} instead of" in _links(result, lines)
+
+
+def test_upper_values_below_the_stiffness_of_a_run_say_so(pier: EarthquakeResult) -> None:
+    """The motion with the smaller displacement is stiffer than the link of the larger one."""
+    lines = line_properties(pier)
+    layered = lines[lines["bearing"] == HDR]
+    assert (layered["secant_kN_mm"] > 0).all()
+    bound = 1.1 * layered["K_eff_kN_mm"]
+    assert "of a run" in _links(pier, layered.assign(secant_kN_mm=bound))
+    assert "of a run" not in _links(pier, layered.assign(secant_kN_mm=0.9 * bound / 1.1))
 
 
 def test_borrowed_temperature_coefficients_are_named(pier: EarthquakeResult) -> None:

@@ -16,6 +16,8 @@ COEFFICIENTS = (  # with temperature: m_T and n_T
 )
 STIFFNESS = ("hysteresis.layer_stiffness", "lead.stiffness")
 STRENGTH = ("lead.yield_stress",)
+EXTRAPOLATED = "temperature_law"  # key of a law that a temperature is outside of
+VIRGIN_EXCESS = "scragging"  # key of the excess of virgin rubber, if of another compound
 
 
 def is_assumed(source: str) -> bool:

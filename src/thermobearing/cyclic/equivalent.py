@@ -71,10 +71,12 @@ def isothermal_cycle(
     speed: float = 30.0,
     temperature: float | None = None,
     cycle: int = CYCLE,
+    lead: float | None = None,
 ) -> CycleMeasures:
     """Return the measures of a cycle, the third by default, of a bearing that does not warm.
 
-    Units and default of the temperature are those of `bilinear_parameters`.
+    Units and default of the temperature are those of `bilinear_parameters`; `lead` is that of the
+    lead [degC], by default as the rubber.
     """
     bearing = as_bearing(bearing)
     # Nothing is released or lost, so that the bearing keeps its temperature.
@@ -90,6 +92,7 @@ def isothermal_cycle(
         build_segments(test, rubber),
         Ambient.constant(at),
         np.full(len(model.stack.part), at),
+        initial_lead=lead,
         groups=(),
     )
     rows = np.flatnonzero(history.cycle == cycle)

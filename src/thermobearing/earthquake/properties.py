@@ -22,11 +22,13 @@ from thermobearing.bearing.library import BEARINGS, as_bearing
 from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.sources import (
     COEFFICIENTS,
+    EXTRAPOLATED,
     STIFFNESS,
+    VIRGIN_EXCESS,
     assumed_clause,
     assumed_properties,
 )
-from thermobearing.bearing.state import RubberState, has_excess, in_state
+from thermobearing.bearing.state import RubberState, has_excess, in_state, scragging_of
 from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path, read_data
 from thermobearing.border.schema import Strict, validated
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
 RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
+RUN_SLACK = 1.005  # a run is as stiff as a link within half a percent
 STILL = 1e-6  # strain of a line that does not move, whose stiffness is not asked for
 MEAN_RULE = "mean of seven"
 KILO = 1e3  # mm in a metre
@@ -74,7 +77,8 @@ LINK_NOTES = (
     "The effective damping is the coefficient of a dashpot, C = h K_eff T_eff/pi, with the "
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
     "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
-    "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured.",
+    "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured, or on a "
+    "temperature outside the tests of the rubber.",
 )
 DEVICES_NOTE = (
     "Devices parallel to bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
@@ -90,6 +94,10 @@ TEMPERATURE_NOTE = (
 VIRGIN_NOTE = (
     "Rubber of {names} is scragged here. Virgin rubber is stiffer, most in its first cycle: for "
     "upper values that count on it, run the analysis with --state virgin."
+)
+LOWER_NOTE = (
+    "Rubber of {names} is not scragged here. Take lower values from an analysis of scragged rubber "
+    "(--state tested)."
 )
 
 
@@ -137,7 +145,11 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
         the third cycle of scragged rubber, `stiffer_virgin` whether rubber that is run scragged is
         stiffer while virgin, and `assumed` the keys of the bearing file on which the properties
-        rest and which were not measured. Lines that do not move are left out.
+        rest and which were not measured; `outside_law_K` is how far the temperature is above (or,
+        negative, below) the range `law` of the temperature law of the rubber [degC].
+        `Q_d_heated_kN` is Q_d with the lead at its highest temperature in the runs, `lead_degC`.
+        `secant_kN_mm` is the largest force over the largest displacement of the run `secant_of`
+        where that is most. Lines that do not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
@@ -165,13 +177,49 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
         line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
         line |= {"design_displacement_of": source}
-        values = _properties(device, displacement, temperature, period, upper=coldest)
+        lead = float(group["lead_max_degC"].max())
+        heated = lead if lead > temperature + SLACK_KELVIN else None
+        values = _properties(device, displacement, temperature, period, upper=coldest, lead=heated)
         rubber = _rubber(device, state)
         stiffer = rubber == SCRAGGED and isinstance(device, Bearing) and has_excess(device)
-        assumed = _assumed_keys(case, device, temperature)
+        law, outside = _beyond_law(device, temperature)
+        assumed = list(_assumed_keys(case, device, temperature))
+        as_in_file = devices[device.name]
+        if isinstance(as_in_file, Bearing) and rubber not in (SCRAGGED, ""):
+            assumed += [VIRGIN_EXCESS] * scragging_of(as_in_file)[1]
+        assumed += [EXTRAPOLATED] * (outside != 0.0)
         origin = {"rubber": rubber, "stiffer_virgin": stiffer, "assumed": " ".join(assumed)}
-        rows.append(labels | line | values | origin)
-    return _with_one_ratio(pd.DataFrame(rows))
+        origin |= {"law": law, "outside_law_K": outside}
+        rows.append(labels | line | values | origin | _largest_secant(group))
+    lines = _with_one_ratio(pd.DataFrame(rows))
+    if len(lines):
+        fall = (lines["K_eff_kN_mm"] - lines["K_eff_heated_kN_mm"]).astype(float)
+        lines["Q_d_heated_kN"] = lines["Q_d_kN"] - fall * lines["design_displacement_mm"]
+    return lines
+
+
+def _beyond_law(device: Bearing | BilinearBearing, temperature: float) -> tuple[str, float]:
+    """Return the range of the temperature law in words, and how far a temperature is outside [K].
+
+    Negative below it, zero inside, where no law is stated and for a bilinear bearing.
+    """
+    law = None if isinstance(device, BilinearBearing) else device.temperature_law
+    if law is None or law.range is None:
+        return "", 0.0
+    low, high = law.range
+    beyond = min(temperature - low, 0.0) + max(temperature - high, 0.0)
+    return f"{low:g} to {high:g} degC", beyond if abs(beyond) > SLACK_KELVIN else 0.0
+
+
+def _largest_secant(group: "pd.DataFrame") -> dict[str, Any]:
+    """Return the largest force over the largest displacement of the runs of a line, and its run."""
+    secants = (group["force_max_kN"] / group["displacement_max_mm"]).to_numpy(dtype=float)
+    place = place_of_largest(secants)
+    displacement = float(group["displacement_max_mm"].iloc[place])
+    return {
+        "secant_kN_mm": float(secants[place]),
+        "secant_of": f"{group['motion'].iloc[place]}, {displacement:.0f} mm",
+    }
 
 
 def _rubber(device: Bearing | BilinearBearing, state: RubberState | None) -> str:
@@ -266,10 +314,12 @@ def _moved_lines(
         return lines[np.repeat(completed.to_numpy(), len(lines) // result.runs)]
     # A structure with one line and one pier has no table of lines; peaks are those of its line.
     line = structure["bearings"][0]
-    table = table[completed]
+    lead = [result.hottest(run)["lead"] for run in range(result.runs)]
+    table = table.assign(lead_max_degC=lead)[completed]
     strain = table["bearing_strain_max"].to_numpy(dtype=float)
     thickness = np.array([devices[name].total_rubber_thickness for name in table["bearing"]])
-    return table[["bearing", "motion", "ambient_degC"]].assign(
+    return table[["bearing", "motion", "ambient_degC", "lead_max_degC"]].assign(
+        force_max_kN=table["bearing_force_max_kN"],
         line=line["name"],
         line_bearing=table["bearing"],
         count=int(line["count"]),
@@ -285,12 +335,14 @@ def _properties(
     period: float,
     *,
     upper: bool,
+    lead: float | None,
 ) -> dict[str, float | str]:
     """Return the equivalent properties of a bearing at a displacement [mm] and temperature.
 
-    Upper values of rubber that is stiffer while virgin are those of the first cycle.
+    Upper values of rubber that is stiffer while virgin are those of the first cycle. `lead` is the
+    temperature of the lead in the runs, where it warms [degC].
     """
-    kind, cycle_number, over_scragged = "", CYCLE, 1.0
+    kind, cycle_number, over_scragged, heated = "", CYCLE, 1.0, math.nan
     if isinstance(device, BilinearBearing):
         loop = BilinearParameters(
             device.strength, device.post_yield_stiffness, device.initial_stiffness
@@ -313,6 +365,9 @@ def _properties(
             if cycle_number != CYCLE or scragged != device:
                 third = isothermal_cycle(scragged, strain, speed, temperature)
                 over_scragged = stiffness / third.stiffness_kN_mm
+        if lead is not None:
+            with_lead = isothermal_cycle(device, strain, speed, temperature, cycle_number, lead)
+            heated = with_lead.stiffness_kN_mm
         modulus = checked_modulus(device, temperature)
         vertical = axial_stiffness(device.geometry, modulus, device.lead)
     return {
@@ -326,6 +381,8 @@ def _properties(
         "kind": kind,
         "cycle": cycle_number,
         "over_scragged": over_scragged,
+        "lead_degC": math.nan if lead is None else lead,
+        "K_eff_heated_kN_mm": heated,
     }
 
 
@@ -361,11 +418,42 @@ def cycle_note(row: Mapping[Any, Any]) -> str:
     if not row["rubber"]:
         return ""
     cycle = "first" if row["cycle"] == FIRST else "third"
-    text = f"{cycle} cycle, {row['rubber']} rubber"
+    text = f"{cycle} cycle without heating, {row['rubber']} rubber"
     if row["rubber"] == SCRAGGED:
         return text
     factor = f"{row['over_scragged']:.2f}"
     return f"{text}: effective stiffness {factor} times that of the third cycle, scragged rubber"
+
+
+def heated_lead_note(row: Mapping[Any, Any]) -> str:
+    """Return Q_d with the lead as warm as in the runs; empty where the lead did not warm."""
+    if math.isnan(row["lead_degC"]):
+        return ""
+    return (
+        f"Q_d {row['Q_d_heated_kN']:.1f} instead of {row['Q_d_kN']:.1f} kN with the lead at "
+        f"{row['lead_degC']:.1f} degC, its highest temperature in the runs"
+    )
+
+
+def beyond_note(row: Mapping[Any, Any]) -> str:
+    """Return by how much the temperature of a line is outside the law of its rubber; else empty."""
+    beyond = float(row["outside_law_K"])
+    if beyond == 0.0:
+        return ""
+    side = "below" if beyond < 0.0 else "above"
+    return f"ambient {abs(beyond):.3g} K {side} the temperature law of the rubber, {row['law']}"
+
+
+def excess_note(row: Mapping[Any, Any]) -> str:
+    """Return that the excess stiffness of rubber is that of another compound; else empty."""
+    if VIRGIN_EXCESS not in row["assumed"].split():
+        return ""
+    return f"excess stiffness of {row['rubber']} rubber assumed, from a test of another compound"
+
+
+def is_extrapolated(row: Mapping[Any, Any]) -> bool:
+    """Return whether temperature or state of the rubber of a line are outside its tests."""
+    return bool(beyond_note(row) or excess_note(row))
 
 
 def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.DataFrame":
@@ -466,8 +554,9 @@ def link_text(
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
         "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
         "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
+        "All without heating: a bearing that warms in an earthquake is softer.",
     ]
-    for note in (*LINK_NOTES, _virgin_note(lines), initial_stiffness_note(lines)):
+    for note in (*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)):
         text += textwrap.wrap(note, LINK_WIDTH)
     periods = bridges.set_index(["bearing", "ambient_degC"])["effective_period_s"]
     for row in lines.to_dict("records"):
@@ -476,7 +565,10 @@ def link_text(
             f"\n{row['line']}: {row['count']} bearings {row['line_bearing']} at "
             f"{row['ambient_degC']:g} degC"
         )
-        for phrase in (cycle_note(row), _assumed_phrase(row)):
+        upper = row["ambient_degC"] == lines["ambient_degC"].min()
+        phrases = [cycle_note(row), _assumed_phrase(row), beyond_note(row), excess_note(row)]
+        phrases += [heated_lead_note(row), secant_note(row) if upper else ""]
+        for phrase in phrases:
             text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
         text += [
             _link_row(name, value, unit)
@@ -504,9 +596,11 @@ def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float
     loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
     keys = row["assumed"].split()
     # Yield stress changes neither K_1 nor K_d; the bearing's own K_1/K_d is that of its kind.
-    stiff = any(key in (*STIFFNESS, *COEFFICIENTS) for key in keys)
+    measured = not any(key in (*STIFFNESS, *COEFFICIENTS) for key in keys)
+    stiff = not measured or is_extrapolated(row)
     of_any, of_ratio = (" (assumed)" * bool(flag) for flag in (keys, stiff or row["kind"]))
-    of_stiffness = " (assumed)" * stiff
+    # That of scragged rubber, in the cold at the reference temperature.
+    of_vertical = " (assumed)" * (not measured or row["outside_law_K"] > 0.0)
     effective = KILO * row["K_eff_kN_mm"]
     damping = row["h_eff"] * effective * period / math.pi
     displacement = row["design_displacement_mm"] / KILO
@@ -518,19 +612,40 @@ def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float
         (f"stiffness before yielding{of_ratio}", KILO * row["K_1_kN_mm"], "kN/m"),
         (f"yield strength{of_any}", loop.yield_force, "kN"),
         (f"post-yield stiffness ratio{of_ratio}", row["K_d_kN_mm"] / row["K_1_kN_mm"], ""),
-        (f"vertical stiffness{of_stiffness}", KILO * row["K_v_kN_mm"], "kN/m"),
+        (f"vertical stiffness{of_vertical}", KILO * row["K_v_kN_mm"], "kN/m"),
     ]
 
 
-def _virgin_note(lines: "pd.DataFrame") -> str:
-    """Return a sentence on bearings whose rubber is run scragged and is stiffer while virgin."""
-    names = dict.fromkeys(lines.loc[lines["stiffer_virgin"].astype(bool), "line_bearing"])
-    return VIRGIN_NOTE.format(names=joined(list(names), "and")) if names else ""
+def _state_notes(lines: "pd.DataFrame") -> list[str]:
+    """Return sentences on rubber that is stiffer while virgin, and on lower values of it."""
+    stiffer = lines["stiffer_virgin"].astype(bool)
+    virgin = ~lines["rubber"].isin([SCRAGGED, ""])
+    return [
+        note.format(names=joined(list(dict.fromkeys(lines.loc[chosen, "line_bearing"])), "and"))
+        for note, chosen in ((VIRGIN_NOTE, stiffer), (LOWER_NOTE, virgin))
+        if chosen.any()
+    ]
+
+
+def secant_note(row: Mapping[Any, Any]) -> str:
+    """Return that a run has a larger stiffness than the effective one; empty where none has."""
+    if row["secant_kN_mm"] <= RUN_SLACK * row["K_eff_kN_mm"]:
+        return ""
+    return (
+        f"the effective stiffness is below the {KILO * row['secant_kN_mm']:.5g} kN/m of a run, its "
+        f"largest force over its largest displacement ({row['secant_of']}): it is that at the "
+        "design displacement"
+    )
+
+
+def assumed_in_file(row: Mapping[Any, Any]) -> list[str]:
+    """Return the keys of the bearing file whose numbers a line rests on and were not measured."""
+    return [key for key in row["assumed"].split() if key not in (EXTRAPOLATED, VIRGIN_EXCESS)]
 
 
 def _assumed_phrase(row: Mapping[Any, Any]) -> str:
     """Return which numbers of the bearing file were not measured; empty where all were."""
-    keys = row["assumed"].split()
+    keys = assumed_in_file(row)
     return f"assumed in the bearing file: {', '.join(keys)}" if keys else ""
 
 

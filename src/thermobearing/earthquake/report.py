@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from thermobearing import reported
+from thermobearing.border.lazy import pd
 from thermobearing.border.schema import validated
 from thermobearing.border.units import with_unit
 from thermobearing.cyclic.report import rig_table
@@ -33,11 +34,16 @@ from thermobearing.earthquake.panels import (
 from thermobearing.earthquake.properties import (
     FIRST,
     OTHER_DISPLACEMENTS,
+    assumed_in_file,
+    beyond_note,
     bridge_properties,
     cycle_note,
     damping_factor,
+    excess_note,
+    heated_lead_note,
     hysteretic_ratios,
     initial_stiffness_note,
+    is_extrapolated,
     line_properties,
     link_text,
     periods_table,
@@ -336,8 +342,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         if row["cycle"] == FIRST
     ]:
         note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
-    if assumed := initial_stiffness_note(lines):
-        note = f"{note} {assumed}"
+    note = " ".join([note, initial_stiffness_note(lines), *_reservations(lines)])
     several = lines["bearing"].nunique() > 1
     keys = ["bearing", "line"] if several else ["line"]
     if (lines["line_bearing"] != lines["bearing"]).any():
@@ -345,7 +350,11 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     keys += ["count", "ambient_degC"]
     values = ["design_displacement_mm", "K_eff_kN_mm", "h_eff"]
     values += ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "K_v_kN_mm"]
-    table = make_table(lines, [*keys, *values], caption, keys=len(keys), note=note, keep_keys=True)
+    # The vertical stiffness is that of scragged rubber at its reference temperature or warmer.
+    extrapolated = [is_extrapolated(row) for row in lines.to_dict("records")]
+    marked = dict.fromkeys([name for name in values[1:] if name != "K_v_kN_mm"], extrapolated)
+    options: dict[str, Any] = {"keys": len(keys), "note": note, "keep_keys": True}
+    table = make_table(lines, [*keys, *values], caption, marked=marked, **options)
     factor = damping_factor()
     source = (
         "First mode with K_eff of all bearings at their design displacement; damping of the "
@@ -363,7 +372,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         note=source,
         keep_keys=True,
     )
-    written = lines.drop(columns=["kind", "stiffer_virgin"])
+    written = lines.drop(columns=["kind", "stiffer_virgin", "law", "secant_kN_mm", "secant_of"])
     files = {
         PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
         LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
@@ -373,6 +382,32 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     if len(frame) > SHOWN_MODES:
         files[MODES_FILE] = frame.to_csv(index=False).encode()
     return tables | {"periods": periods}, files
+
+
+def _reservations(lines: "pd.DataFrame") -> list[str]:
+    """Return what equivalent properties rest on besides tests of the bearing, as sentences."""
+    rows = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"]).to_dict("records")
+    names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
+    sentences = []
+    for begins, describe in (
+        ("Marked, outside the calibration range:", beyond_note),
+        ("Marked:", excess_note),
+        ("Lead that warms:", heated_lead_note),
+    ):
+        if parts := [
+            f"{n}: {text}" for n, r in zip(names, rows, strict=True) if (text := describe(r))
+        ]:
+            sentences.append(f"{begins} {'; '.join(parts)}.")
+    keys: dict[str, list[str]] = {}
+    for row in rows:
+        keys.setdefault(row["line_bearing"], []).extend(assumed_in_file(row))
+    if parts := [
+        f"{name} ({joined(content.key_words(key) for key in dict.fromkeys(chosen))})"
+        for name, chosen in keys.items()
+        if chosen
+    ]:
+        sentences.append(f"Not measured, but assumed, borrowed or chosen: {'; '.join(parts)}.")
+    return [plain(sentence) for sentence in sentences]
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:
