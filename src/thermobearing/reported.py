@@ -147,13 +147,7 @@ def model_assumptions(
         clock_text = texts["lead_clock"].format(clock=clock) if clock else ""
         sentences.append(texts["lead"].format(ends=texts["lead_ends"][ends], clock=clock_text))
         if model not in BLIND:
-            default_rate = built_in_laws()[SOFTENING_LEAD].value
-            cores = [table["lead"] for table in layered if table.get("lead")]
-            stated_rates = [core.get("softening_beyond_tests") for core in cores]
-            rates = sorted(
-                {quantity(default_rate if rate is None else rate) for rate in stated_rates}
-            )
-            sentences.append(texts["lead_beyond_tests"].format(rates=joined(rates)))
+            sentences += _lead_strength([table for table in layered if table.get("lead")])
     aged = analysis.get("exposure") or any(table.get("exposure") for table in bearings)
     sentences += _rubber_states(analysis, layered)
     sentences.append(texts["exposure"]["counted" if aged else "absent"])
@@ -170,6 +164,26 @@ def model_assumptions(
     sentences += [built_in["monotone"].description] if "monotone" in hardening_forms else []
     sentences += [texts["own_law"].format(names=", ".join(own_laws))] if own_laws else []
     return sentences + [built_in[law].description for law in sorted(set(laws))]
+
+
+def _lead_strength(bearings: Sequence[Inputs]) -> list[str]:
+    """Return how the strength of lead depends on temperature, with and without tests of it."""
+    texts, tested_rates, sentences = assumption_texts(), set(), []
+    for table in bearings:
+        lead = table["lead"]
+        stated_rate = lead.get("softening_beyond_tests")
+        default_rate = built_in_laws()[SOFTENING_LEAD].value
+        beyond = quantity(default_rate if stated_rate is None else stated_rate)
+        if (table.get("tested_range") or {}).get("lead_temperature"):
+            tested_rates.add(beyond)
+            continue
+        words = {"name": table["name"], "rate": quantity(lead.get("softening", NO_SOFTENING))}
+        words |= {"beyond": beyond, "reference": quantity(lead["reference_temperature"])}
+        sentences.append(plain(texts["lead_untested"].format(**words)))
+    if tested_rates:
+        text = texts["lead_beyond_tests"].format(rates=joined(sorted(tested_rates)))
+        sentences.insert(0, text)
+    return sentences
 
 
 def _rubber_states(analysis: Inputs, layered: Sequence[Inputs]) -> list[str]:
@@ -246,10 +260,13 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     heads |= {"unit": "Unit", "source": "Source of the limit", "verdict": "Verdict"}
     columns = [Quantity(head, name=name) for name, head in heads.items()]
     marked = {"verdict": frame["verdict"].isin([checks.FAILED, checks.NOT_MODELLED]).tolist()}
+    if any(marked["verdict"]):
+        note = f"{note} Marked: limit exceeded, or outside the model.".strip()
     keys = 1 + ("part" in frame)
     return make_table(frame, columns, caption, keys=keys, marked=marked, note=note, keep_keys=True)
 
 
+NO_SOFTENING = "0 1/K"  # of a core whose file states none
 OF_BEARINGS = "Checks of the bearings"
 CHECKS_NOTE = "The largest use of each limit, and where. Compression is positive."
 UNCHECKED = " *: not checked against the published text."

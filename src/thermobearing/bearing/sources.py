@@ -29,14 +29,18 @@ def is_assumed(source: str) -> bool:
     return bool(NOT_MEASURED & set(WORD.findall(source)))
 
 
-def assumed_clause(source: str) -> str:
+def assumed_clause(source: str, *, to_end: bool = False) -> str:
     """Return the words of a source from "assumed", "borrowed" or "chosen" on; else nothing.
+
+    They end at the next semicolon, or with the source (`to_end`).
 
     >>> assumed_clause("compound a; borrowed from shen-hdr; Table 3.4")
     'borrowed from shen-hdr'
     """
     match = CLAUSE.search(source)
-    return match[0].strip() if match else ""
+    if not match:
+        return ""
+    return (source[match.start() :] if to_end else match[0]).strip()
 
 
 def assumed_properties(sources: Mapping[str, str], *, at_reference: bool) -> tuple[str, ...]:

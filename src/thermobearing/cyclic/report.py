@@ -311,6 +311,8 @@ def _start(case: Case) -> list[str]:
 def _figures(result: Result) -> dict[str, ReportFigure]:
     """Return the figures that the result holds data for; most can be zoomed."""
     absent, captions = result.plot.absent(), content.figure_captions("cyclic")
+    count = result.dataset.sizes["ambient"]
+    captions["loops"] += content.shaded_note(result.tested_to(k, "strain") for k in range(count))
     plots = {
         "loops": _loops_plot,
         "orbit": _orbit_plot,

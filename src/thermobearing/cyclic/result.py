@@ -133,7 +133,7 @@ class Result(DatasetResult):
         """
         data = self.dataset
         runs = chosen_runs({"ambient": data["ambient"].values}, {"ambient": ambient})
-        chosen = selected(data, "ambient", runs, [run_name(t) for t in data["ambient"].values])
+        chosen = selected(data, "ambient", runs, [{run_name(t)} for t in data["ambient"].values])
         if CYCLES in chosen.dims:
             in_selection = np.isin(data[f"{CYCLES}_ambient_degC"].values, chosen["ambient"].values)
             chosen = chosen.isel({CYCLES: np.flatnonzero(in_selection)})

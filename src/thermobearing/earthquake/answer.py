@@ -1,19 +1,21 @@
 """Main results of an analysis of earthquakes in sentences, as a report begins."""
 
 import tomllib
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from thermobearing import reported
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.sources import STIFFNESS, STRENGTH, assumed_clause
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
-from thermobearing.border.units import parse_quantity
+from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
 from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
-from thermobearing.earthquake.properties import temperature_note
+from thermobearing.earthquake.properties import bearing_sources, temperature_note
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
@@ -27,10 +29,18 @@ from thermobearing.quantities.words import (
     part_label,
     percent,
     plain,
+    quantity,
     tidy,
 )
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.writing import from_attribute
+
+UNMEASURED = "Forces and displacements rest on numbers that were not measured: {phrases}."
+# Words of the numbers that forces rest on, by the keys of their sources.
+NOT_MEASURED = {
+    STIFFNESS[0]: "shear modulus of the rubber G",
+    STRENGTH[0]: "yield stress of lead σ_Y",
+}
 
 
 def main_results(result: EarthquakeResult) -> list[str]:
@@ -43,7 +53,39 @@ def main_results(result: EarthquakeResult) -> list[str]:
     if not cold:
         answer.append(_heating(result))
     answer.append(_other_bound(result))
+    answer.append(strength_note(tomllib.loads(str(result.dataset.attrs["case"]))))
     return [sentence for sentence in answer if sentence]
+
+
+def strength_note(case: Mapping[str, Any]) -> str:
+    """Return which stiffnesses and strengths of bearings were not measured, with their values.
+
+    Forces and displacements of all runs rest on them. Empty where those of all bearings were.
+    """
+    phrases = []
+    for table in list_bearing_tables(case):
+        sources = bearing_sources(case, table)
+        values = [
+            f"{NOT_MEASURED[key]} {quantity(value)} ({clause})"
+            for key, value in _stated_values(table).items()
+            if (clause := assumed_clause(sources.get(key, ""), to_end=True))
+        ]
+        if values:
+            phrases.append(f"of {table['name']}, {joined(values)}")
+    return plain(UNMEASURED.format(phrases="; ".join(phrases))) if phrases else ""
+
+
+def _stated_values(table: Mapping[str, Any]) -> dict[str, str]:
+    """Return modulus of rubber and strength of lead of a layered bearing, by their keys."""
+    if table.get("kind") == "bilinear":
+        return {}
+    bearing = as_bearing(dict(table), str(table["name"]))
+    thickness, rubber_area = bearing.geometry.rubber_thickness, bearing.area - bearing.lead_area
+    modulus = bearing.hysteresis.layer_stiffness * thickness / rubber_area
+    values = {STIFFNESS[0]: f"{NEWTON_PER_KILONEWTON * modulus:.3g} MPa"}
+    if bearing.lead is not None:
+        values[STRENGTH[0]] = f"{bearing.lead.yield_stress:.3g} MPa"
+    return values
 
 
 def _temperature_note(result: EarthquakeResult) -> str:

@@ -627,16 +627,22 @@ def damping_sentence(shares: Floats, kind: str) -> str:
     )
 
 
+def row_names(result: "EarthquakeResult") -> list[dict[str, str]]:
+    """Return the names of each run in rows of checks and ranges, each with the bearing in it."""
+    lines, names = result.line_bearings, []
+    for run, bearing in zip(result.run_names, result.dataset["bearing"].values, strict=True):
+        bearings = [str(bearing), *lines.get(str(bearing), {}).values()]
+        names.append({_with_bearing(run, str(bearing), name): name for name in bearings})
+    return names
+
+
 def limits_by_bearing(result: "EarthquakeResult") -> list[dict[str, str]]:
     """Return the calibration limits that each run passes, by the bearings of its lines."""
-    rows, lines = result.tested_range.to_dict("records"), result.line_bearings
-    limits = []
-    # Rows of tested ranges name a run by the bearing that they are about, not by the analysis's.
-    for name, bearing in zip(result.run_names, result.dataset["bearing"].values, strict=True):
-        bearings = dict.fromkeys([str(bearing), *lines.get(str(bearing), {}).values()])
-        runs = [_with_bearing(name, str(bearing), installed) for installed in bearings]
-        limits.append(dict(zip(bearings, limits_passed(rows, runs), strict=True)))
-    return limits
+    rows = result.tested_range.to_dict("records")
+    return [
+        dict(zip(names.values(), limits_passed(rows, list(names)), strict=True))
+        for names in row_names(result)
+    ]
 
 
 def beyond_tested(result: "EarthquakeResult") -> list[str]:

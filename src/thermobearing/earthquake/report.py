@@ -21,10 +21,11 @@ from thermobearing.earthquake.answer import (
     governing_pier,
     largest_place,
     main_results,
+    strength_note,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather, list_bearing_tables
 from thermobearing.earthquake.figures import EarthquakeFigures
-from thermobearing.earthquake.measures import tested_rows, with_own_bearing
+from thermobearing.earthquake.measures import tested_rows, tested_to, with_own_bearing
 from thermobearing.earthquake.motions import given_motions_table
 from thermobearing.earthquake.panels import (
     MOST_COLUMNS,
@@ -79,10 +80,12 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.results import drawing
-from thermobearing.results.directory import HISTORY, LINKS, MODES_FILE, PROPERTIES
+from thermobearing.results.directory import HISTORY, LINES, LINKS, MODES_FILE, PIERS, PROPERTIES
+from thermobearing.results.ranges import MARKED
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
+HEATED = "Lead is warmer in the runs"
 SHOWN_MODES = 10  # of a report; a file has them all
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
@@ -238,7 +241,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
     layered = any(table.get("kind") != "bilinear" for table in list_bearing_tables(case))
     sentences += [reported.undecided()] if layered and result.bands.empty else []
     sentences += reported.model_assumptions(analysis, list_bearing_tables(case), plane=plan)
-    sentences.append(temperature_note(case))
+    sentences += [temperature_note(case), strength_note(case)]
     return [text for text in sentences if text]
 
 
@@ -389,15 +392,14 @@ def _reservations(lines: "pd.DataFrame") -> list[str]:
     rows = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"]).to_dict("records")
     names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
     sentences = []
-    for begins, describe in (
-        ("Marked, outside the calibration range:", beyond_note),
-        ("Marked:", excess_note),
-        ("Lead that warms:", heated_lead_note),
-    ):
-        if parts := [
-            f"{n}: {text}" for n, r in zip(names, rows, strict=True) if (text := describe(r))
-        ]:
-            sentences.append(f"{begins} {'; '.join(parts)}.")
+    for begins, describes in ((MARKED, (beyond_note, excess_note)), (HEATED, (heated_lead_note,))):
+        texts = [
+            f"{name}: {text}"
+            for name, row in zip(names, rows, strict=True)
+            if (text := "; ".join(filter(None, (describe(row) for describe in describes))))
+        ]
+        if texts:
+            sentences.append(f"{begins} ({'; '.join(texts)}).")
     keys: dict[str, list[str]] = {}
     for row in rows:
         keys.setdefault(row["line_bearing"], []).extend(assumed_in_file(row))
@@ -462,6 +464,7 @@ BY_MOTION = (  # figures with a column for each motion
     "orbit",
 )
 MOST_NAMES = 6  # of motions in a caption
+OF_HEAT = ("temperature", "profiles")  # of the reported line only
 OF_ALL = ("peaks", "parts", "deck", "motion_spectra")  # figures of the structure
 LARGEST = {  # figure: column of the table, words for those who do not see the figure
     "loops": ("bearing_strain_max", "largest shear strain {:.0%}"),
@@ -492,7 +495,8 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
             along = f" Direction {direction}, {ALONG[direction]}." if direction else ""
             for number, item in enumerate(shown.get(name, []), 1):
                 part = "line" if name in OF_LINES else "pier"
-                text = f"{caption} {item.caption(part)}{along}"
+                shaded = _shaded(view, name, item.name)
+                text = f"{caption}{shaded} {item.caption(part)}{along}"
                 figures[f"{figure_name}_{number}" if number > 1 else figure_name] = ReportFigure(
                     text,
                     draw=partial(getattr(view.plot, name), **{part: item.name}),
@@ -500,7 +504,8 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
                     plot=plots[direction].convert(name, **{part: item.name}),
                 )
             if figure_name not in figures:
-                text = f"{caption}{_reported_parts(result, name)}{along}"
+                shown_parts = _reported_parts(result, name)
+                text = f"{caption}{_shaded(view, name)}{shown_parts}{along}"
                 figures[figure_name] = ReportFigure(
                     text,
                     draw=drawings[figure_name],
@@ -510,13 +515,44 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
     return figures
 
 
+def _shaded(view: EarthquakeResult, name: str, line: str | None = None) -> str:
+    """Return whether a figure of the strain of a line shades what its tests do not cover."""
+    if name not in STRAIN_AXES:
+        return ""
+    data = select_part(view.dataset, "line", line) if view.has_parts else view.dataset
+    motions = list(dict.fromkeys(data["motion"].values.tolist()))[:MOST_COLUMNS]
+    runs = [k for k, motion in enumerate(data["motion"].values.tolist()) if motion in motions]
+    return content.shaded_note([tested_to(EarthquakeResult(data), runs, "strain")])
+
+
 def _reported_parts(result: EarthquakeResult, name: str) -> str:
-    """Return which line or pier the histories of a figure are of, and why, as a sentence."""
+    """Return which line or pier the histories of a figure are of, why, and where others are."""
     if name in OF_ALL:
         return ""
-    part = "pier" if name in (*OF_PIERS, "pier_acceleration") else "line"
+    part, file = "line", LINES
+    if name in (*OF_PIERS, "pier_acceleration"):
+        part, file = "pier", PIERS
     names = part_names(result.dataset, [part])
-    return f" Shown: {names}, chosen by the table report of the structure." if names else ""
+    if not names:
+        return ""
+    others = f"Peaks of each {part} are in {file}."
+    chosen = f" Shown: {names}, chosen by the table report of the structure. {others}"
+    return f"{chosen}{_hottest_elsewhere(result)}" if name in OF_HEAT else chosen
+
+
+def _hottest_elsewhere(result: EarthquakeResult) -> str:
+    """Return where rubber and lead are hottest, if not on the reported line, as a sentence."""
+    lines, reported_line = result.lines, str(result.dataset.attrs["line"])
+    places = []
+    for material in ("rubber", "lead"):
+        values = lines[f"{material}_max_degC"].to_numpy(dtype=float)
+        if np.isfinite(values).any():
+            place = place_of_largest(np.nan_to_num(values, nan=-np.inf))
+            row = lines.iloc[place]
+            if row["line"] != reported_line:
+                at = f"line {row['line']} ({row['line_bearing']}, {row['motion']})"
+                places.append(f"the {material} of {at}, {values[place]:.1f} °C")
+    return f" Hottest of all lines: {joined(places)}." if places else ""
 
 
 def _without(result: EarthquakeResult, name: str) -> str:

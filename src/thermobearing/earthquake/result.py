@@ -135,9 +135,11 @@ class EarthquakeResult(DatasetResult):
                 k.removesuffix(end): v for k, v in data.attrs.items() if k.endswith(end)
             }
             data = data.assign_attrs(direction_attributes | {DIRECTION: chosen[DIRECTION]})
+        if not chosen:
+            return EarthquakeResult(data)
         labels = {name: data[name].values for name in LABELS if name in data.coords}
-        runs = chosen_runs(labels, chosen) if chosen else range(self.runs)
-        return EarthquakeResult(selected(data, "run", list(runs), self.run_names))
+        runs = chosen_runs(labels, chosen)
+        return EarthquakeResult(selected(data, "run", runs, measures.row_names(self)))
 
     def to_dataset(self) -> "xr.Dataset":
         """Return the dataset with bearing, motion and ambient temperature as dimensions.

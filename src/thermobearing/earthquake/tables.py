@@ -24,6 +24,7 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.validity import VALID_UNTIL, stable_rows, with_invalid_marked
 from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
+from thermobearing.results.directory import LINES
 from thermobearing.results.metrics import BALANCE
 from thermobearing.results.ranges import TESTED
 
@@ -645,8 +646,10 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     keys = measures.key_columns(frame)
     note = (
         "Loop with the largest displacement, between two zeros of the displacement: K_eq = "
-        "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2)."
+        "(|F+| + |F−|)/(|D+| + |D−|), h_eq and G_e as in a test (Eq. 3.1, 3.2). K_eff of the "
+        "equivalent properties differs: it is of a symmetric loop at the design displacement."
     )
+    note += f" Peaks of each line are in {LINES}." if result.has_parts else ""
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
     is_closed = frame["loop_K_eq_kN_mm"].notna()
     closed, open_keys = frame[is_closed], frame.loc[~is_closed, keys]

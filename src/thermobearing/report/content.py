@@ -448,6 +448,11 @@ def pieces_of_saved(saved: SavedResult) -> Pieces:
     )
 
 
+def shaded_note(tested: Iterable[float]) -> str:
+    """Return what is shaded where runs exceed a tested value; empty without one (infinity)."""
+    return " Shaded: outside the calibration range." if any(map(math.isfinite, tested)) else ""
+
+
 def figure_captions(command: str) -> dict[str, str]:
     """Return the captions of the figures of a command, by the beginning of their names."""
     captions: dict[str, str] = read_toml(data_path("reports", "captions.toml")).get(command, {})

@@ -20,6 +20,8 @@ from thermobearing.report.markdown import sentence_reader
 from thermobearing.report.pieces import (
     BRIEF,
     LONGEST_WORD,
+    MARK,
+    MARK_WORDS,
     VERDICTS,
     Block,
     Bullets,
@@ -33,12 +35,10 @@ from thermobearing.report.pieces import (
     Signatures,
     TableBlock,
     column_letters,
+    marked_note,
     policy_digest,
 )
 
-MARK = "\N{DAGGER}"
-MARKED = "Marked:"  # a note that begins so says itself what the mark means
-MARK_WORDS = "outside the calibration range"
 SEE_NOTE = "marked, see the note of the table"
 FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 200  # of a table that are open; the rest is folded
@@ -220,9 +220,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
         ]
         for at, row in enumerate(table.rows)
     ]
-    note = table.note.replace(MARKED, MARK)
-    if table.marked and MARKED not in table.note:
-        note = f"{MARK} {MARK_WORDS}. {note}".strip()
+    note = marked_note(table)
     shown, folded, row_note = _governing_rows(table)
     look = ["table", *["broad"] * (letters > UPRIGHT), *["short"] * (len(rows) < SHORT)]
     return {

@@ -34,6 +34,7 @@ from thermobearing.report.pieces import (
     Signatures,
     TableBlock,
     column_letters,
+    marked_note,
 )
 from thermobearing.results.drawing import missing_letters
 
@@ -171,7 +172,6 @@ UPRIGHT, TURNED = (170.0, 222.0), (267.0, 156.0)  # room: width, height [mm], as
 LONG_BOX = 2500  # letters of a box that may go over two pages
 SMALL_PRINT = 0.75  # a picture that must be made smaller than this is shown on a turned page
 GAIN = 1.15  # by which it must be larger there
-UNTESTED = "outside the calibration range"
 
 
 def _laid_out(document: Document, folder: Path | None) -> Data:
@@ -311,7 +311,7 @@ def _table(table: Table, *, upright: bool) -> list[Data]:
     cells, columns = table.texts(), table.columns
     numbers = table.numeric()
     parts = _fitted(column_letters(table, cells), table.keys, upright=upright)
-    note = table.note or (f"Marked: {UNTESTED}." if table.marked else "")
+    note = marked_note(table)
     blocks = []
     for number, part in enumerate(parts, 1):
         marked = [

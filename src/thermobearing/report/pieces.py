@@ -21,6 +21,24 @@ PASSED, EXCEEDED, NOT_ASSESSED = "within", "exceeded", "not assessed"
 VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_ASSESSED: "\N{EN DASH}"}
 
 
+MARK = "\N{DAGGER}"  # of a marked cell; a star stands for what was not checked
+MARKED = "Marked:"  # a note that holds it says itself what the mark means
+MARK_WORDS = "outside the calibration range"
+SAID = {  # words of a note on marked cells, and with the mark
+    MARKED: MARK,
+    "Marked values": f"Values with {MARK}",
+    "marked values": f"values with {MARK}",
+}
+
+
+def marked_note(table: Table) -> str:
+    """Return the note of a table, with the mark of its cells and what it means."""
+    note = table.note
+    for words, with_mark in SAID.items():
+        note = note.replace(words, with_mark)
+    return f"{MARK} {MARK_WORDS}. {note}".strip() if table.marked and MARK not in note else note
+
+
 class Link(str):
     """Words of a cell that lead to a figure or table of the same document, by its name."""
 

@@ -1,6 +1,6 @@
 """Select and compare runs by their labels."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -53,10 +53,13 @@ def _matches(labels: Any, value: Any) -> Any:
 
 
 def selected(
-    data: "xr.Dataset", dimension: str, runs: list[int], names: Sequence[str]
+    data: "xr.Dataset", dimension: str, runs: list[int], names: Sequence[Collection[str]]
 ) -> "xr.Dataset":
-    """Return some runs of a dataset along a dimension, with their rows of the attributes."""
-    run_names = {names[run] for run in runs}
+    """Return some runs of a dataset along a dimension, with their rows of the attributes.
+
+    `names` are those of each run in the rows.
+    """
+    run_names = {name for run in runs for name in names[run]}
     attributes = {
         key: as_attribute([row for row in from_attribute(data, key) if row["run"] in run_names])
         for key in REACHED
