@@ -278,8 +278,9 @@ def governing_checks(rows: "pd.DataFrame", *, every_part: bool) -> "pd.DataFrame
     One of each code, bearing and check, and of each part if `every_part`; `part` has the bearing
     too where there are several. Strains are in %.
     """
-    # Checks without a limit have no use: of these the largest value governs.
-    size = rows["used"].where(rows["limit"].notna(), rows["value"]).astype(float).fillna(-np.inf)
+    # Checks without a limit have no use: of these the largest value governs, or the smallest one.
+    value = rows["value"].where(~rows["least"].astype(bool), -rows["value"])
+    size = rows["used"].where(rows["limit"].notna(), value).astype(float).fillna(-np.inf)
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
     groups = [values for _, values in size.groupby(keys, sort=False)]
     governing = rows.loc[[values.index[place_of_largest(values)] for values in groups]]

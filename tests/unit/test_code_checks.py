@@ -275,6 +275,23 @@ def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
     assert again.bearing_checks.equals(found.bearing_checks)  # the case holds the limits
 
 
+def test_uplift_without_a_limit_is_the_smallest_stress_of_the_bearings() -> None:
+    """In MPa, the unit of the limit that an office enters; of two lines the one with less load."""
+    structure = two_piers()
+    first, second = (line.name for line in structure.bearings)
+    lines = [{"line": first, "axial_force": "200 kN"}]
+    given = {"duration": 1, "structure": structure, "lines": lines, "axial_force": LOAD}
+    given["components"] = 1
+    found = tb.check_bearings(tb.bridge(BEARING, NAMES[0], 23, **given), "aashto")
+    area = tb.load_bearing(BEARING).geometry.plan.area
+    rows = found.bearing_checks.query("what == 'uplift: axial force'")
+    values = dict(zip(rows["part"], rows["value"], strict=True))
+    assert values == pytest.approx({first: 1e3 * 200.0 / area, second: 1e3 * LOAD / area})
+    assert set(rows["unit"]) == {"MPa"}
+    note = found.tables()["checks_aashto"].note
+    assert f"uplift: axial force (smallest {1e3 * 200.0 / area:.3g} MPa)" in note
+
+
 def test_an_entered_ductility_replaces_first_yield_in_the_report(bridge):
     dataset = bridge.dataset.assign(pier_ductility=2.4 + 0.0 * bridge.dataset["pier_ductility"])
     found = []

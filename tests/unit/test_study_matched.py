@@ -279,7 +279,8 @@ SPECTRA = {
     "period,Sa [kN]\n0.1,1\n3,1\n": 'unknown unit of acceleration "kN"',
     "period,Sa [g]\n0.1,1\n3,1\n2,1\n": "do not increase from 3 to 2 s",
     "period,Sa [g]\n-0.1,1\n3,1\n": "must be greater than 0",
-    "period,Sa [g]\n0.2,1\n2,1\n": "reaches from 0.2 to 2 s",
+    "period,Sa [g]\n0.2,1\n2,1\n": "add a row at 0.1 s or less and 3 s or more",
+    "period,Sa [g]\n0,1\n0.12,1\n4,1\n": "has a row of period 0, and after it reaches from 0.12 to 4 s",
     "period [ms],Sa [g]\n0.1,1\n3,1\n": "periods are in s",
 }
 

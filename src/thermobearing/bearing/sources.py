@@ -32,7 +32,7 @@ def is_assumed(source: str) -> bool:
 def assumed_clause(source: str, *, to_end: bool = False) -> str:
     """Return the words of a source from "assumed", "borrowed" or "chosen" on; else nothing.
 
-    They end at the next semicolon, or with the source (`to_end`).
+    They end at the next semicolon, or at the end of the text (`to_end`).
 
     >>> assumed_clause("compound a; borrowed from shen-hdr; Table 3.4")
     'borrowed from shen-hdr'

@@ -203,14 +203,20 @@ def _with_entered(check: _CodeCheck, code: _Code, limits: Limits | None) -> tupl
 
 
 def _uplift(check: _CodeCheck, demand: _Demand) -> tuple[float, float, str]:
-    """Return axial force, its least value and unit; the limit of a check is a tensile stress."""
+    """Return axial force, its least value and unit; the limit of a check is a tensile stress.
+
+    Compression whose limit is not entered is returned as a stress on the plan.
+    """
     # Where no tensile stress is stated, tension of any size exceeds the limit of zero, and
     # compression is not assessed.
-    if math.isnan(check.limit):
-        return demand.axial_force, 0.0 if demand.axial_force < 0.0 else math.nan, "kN"
+    tension = demand.axial_force < 0.0
+    if math.isnan(check.limit) and (tension or demand.bearing is None):
+        return demand.axial_force, 0.0 if tension else math.nan, "kN"
     if demand.bearing is None:
         return math.nan, math.nan, "kN"
     area = demand.bearing.geometry.plan.area
+    if math.isnan(check.limit):  # in the unit of the limit that an office may enter
+        return NEWTON_PER_KILONEWTON * demand.axial_force / area, math.nan, "MPa"
     return demand.axial_force, -check.limit * area / NEWTON_PER_KILONEWTON, "kN"
 
 

@@ -27,6 +27,7 @@ from thermobearing.motions.record import (
     acceleration_unit,
     parse_acceleration,
 )
+from thermobearing.quantities.words import joined
 from thermobearing.tables.columns import Table, make_table
 from thermobearing.tables.text import read_sheets
 
@@ -497,9 +498,12 @@ def _read_points(path: Path) -> TableSpectrum:
     if not len(periods):
         raise InputError("has the acceleration of the ground alone")
     if periods[0] > FIRST or periods[-1] < LAST:
+        ground = "" if start is None else "has a row of period 0, and after it "
+        ends = [f"{FIRST:g} s or less"] if periods[0] > FIRST else []
+        ends += [f"{LAST:g} s or more"] if periods[-1] < LAST else []
         raise InputError(
-            f"reaches from {periods[0]:g} to {periods[-1]:g} s; motions are fitted from {FIRST:g} "
-            f"to {LAST:g} s"
+            f"{ground}reaches from {periods[0]:g} to {periods[-1]:g} s; motions are fitted from "
+            f"{FIRST:g} to {LAST:g} s: add a row at {joined(ends)}"
         )
     return TableSpectrum(tuple(periods.tolist()), tuple(values.tolist()), start)
 

@@ -24,7 +24,7 @@ VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_ASSE
 MARK = "\N{DAGGER}"  # of a marked cell; a star stands for what was not checked
 MARKED = "Marked:"  # a note that holds it says itself what the mark means
 MARK_WORDS = "outside the calibration range"
-SAID = {  # words of a note on marked cells, and with the mark
+MARK_PHRASES = {  # words of a note on marked cells, and with the mark
     MARKED: MARK,
     "Marked values": f"Values with {MARK}",
     "marked values": f"values with {MARK}",
@@ -34,7 +34,7 @@ SAID = {  # words of a note on marked cells, and with the mark
 def marked_note(table: Table) -> str:
     """Return the note of a table, with the mark of its cells and what it means."""
     note = table.note
-    for words, with_mark in SAID.items():
+    for words, with_mark in MARK_PHRASES.items():
         note = note.replace(words, with_mark)
     return f"{MARK} {MARK_WORDS}. {note}".strip() if table.marked and MARK not in note else note
 
@@ -197,20 +197,25 @@ def checks_table(
 
 
 def not_entered(checks: Sequence[Check]) -> str:
-    """Return the limits that no office has entered as one sentence, with their largest values."""
+    """Return the limits that no office has entered as one sentence, with their governing values."""
     largest: dict[str, Check] = {}
     for check in checks:
         if check.without_limit:
             name = check.limited or check.what
             previous = largest.get(name)
-            if previous is None or abs(check.value) > abs(previous.value):
+            # Of a least value the smallest is nearest to any limit.
+            if previous is None or (
+                check.value < previous.value
+                if check.lower
+                else abs(check.value) > abs(previous.value)
+            ):
                 largest[name] = check
     if not largest:
         return ""
     values = []
     for name, check in largest.items():
         value = f"{format_number(check.value, '.3g')} {check.unit}".strip()
-        values.append(f"{name} ({value})")
+        values.append(f"{name} ({'smallest ' * check.lower}{value})")
     count_words = f"{len(values)} limits are" if len(values) > 1 else "1 limit is"
     return f"{count_words} not entered: {'; '.join(values)}."
 
