@@ -280,7 +280,7 @@ SPECTRA = {
     "period,Sa [g]\n0.1,1\n3,1\n2,1\n": "do not increase from 3 to 2 s",
     "period,Sa [g]\n-0.1,1\n3,1\n": "must be greater than 0",
     "period,Sa [g]\n0.2,1\n2,1\n": "add a row at 0.1 s or less and 3 s or more",
-    "period,Sa [g]\n0,1\n0.12,1\n4,1\n": "has a row of period 0, and after it reaches from 0.12 to 4 s",
+    "period,Sa [g]\n0,1\n0.12,1\n4,1\n": "a row of period 0, and after it reaches from 0.12 to 4 s",
     "period [ms],Sa [g]\n0.1,1\n3,1\n": "periods are in s",
 }
 
