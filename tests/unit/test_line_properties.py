@@ -387,6 +387,11 @@ def test_assumed_excess_of_virgin_rubber_is_marked(
     stated = tb.changed_bearing(HDR, scragging={"amplitude": 0.2})
     result = tb.bridge(stated, "jra-ii-i-1", 23, duration=3)
     assert line_properties(result)["assumed"].tolist() == [""]
+    # Natural rubber is as stiff while virgin: nothing of it is assumed.
+    natural = line_properties(
+        tb.bridge("lrb-example", "jra-ii-i-1", 20, duration=3, state="virgin")
+    )
+    assert "scragging" not in natural["assumed"].iloc[0]
 
 
 def test_lower_values_state_the_strength_of_warm_lead() -> None:
@@ -424,7 +429,7 @@ def test_borrowed_temperature_coefficients_are_named(pier: EarthquakeResult) -> 
 
 def test_links_over_scragged_rubber_say_how_to_get_virgin(pier: EarthquakeResult) -> None:
     lines = line_properties(pier)
-    assert lines["stiffer_virgin"].tolist() == (lines["bearing"] == HDR).tolist()
+    assert lines["excess"].tolist() == (lines["bearing"] == HDR).tolist()
     assert "--state virgin" in _links(pier, lines)
     assert "--state virgin" not in _links(pier, lines[lines["bearing"] == BILINEAR])
 

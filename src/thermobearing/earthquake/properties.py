@@ -143,13 +143,13 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
         bearing have one K_1/K_d. `cycle` is the third; the first at the coldest temperature of
         rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
-        the third cycle of scragged rubber, `stiffer_virgin` whether rubber that is run scragged is
-        stiffer while virgin, and `assumed` the keys of the bearing file on which the properties
-        rest and which were not measured; `outside_law_K` is how far the temperature is above (or,
-        negative, below) the range `law` of the temperature law of the rubber [degC].
-        `Q_d_heated_kN` is Q_d with the lead at its highest temperature in the runs, `lead_degC`.
-        `secant_kN_mm` is the largest force over the largest displacement of the run `secant_of`
-        where that is most. Lines that do not move are left out.
+        the third cycle of scragged rubber, `excess` whether the rubber is stiffer while virgin, and
+        `assumed` the keys of the bearing file on which the properties rest and which were not
+        measured; `outside_law_K` is how far the temperature is above (or, negative, below) the
+        range `law` of the temperature law of the rubber [degC]. `Q_d_heated_kN` is Q_d with the
+        lead at its highest temperature in the runs, `lead_degC`. `secant_kN_mm` is the largest
+        force over the largest displacement of the run `secant_of` where that is most. Lines that do
+        not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
@@ -181,14 +181,14 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         heated = lead if lead > temperature + SLACK_KELVIN else None
         values = _properties(device, displacement, temperature, period, upper=coldest, lead=heated)
         rubber = _rubber(device, state)
-        stiffer = rubber == SCRAGGED and isinstance(device, Bearing) and has_excess(device)
+        as_in_file = devices[device.name]
+        excess = isinstance(as_in_file, Bearing) and has_excess(as_in_file)
         law, outside = _beyond_law(device, temperature)
         assumed = list(_assumed_keys(case, device, temperature))
-        as_in_file = devices[device.name]
-        if isinstance(as_in_file, Bearing) and rubber not in (SCRAGGED, ""):
+        if excess and rubber != SCRAGGED and isinstance(as_in_file, Bearing):
             assumed += [VIRGIN_EXCESS] * scragging_of(as_in_file)[1]
         assumed += [EXTRAPOLATED] * (outside != 0.0)
-        origin = {"rubber": rubber, "stiffer_virgin": stiffer, "assumed": " ".join(assumed)}
+        origin: dict[str, Any] = {"rubber": rubber, "excess": excess, "assumed": " ".join(assumed)}
         origin |= {"law": law, "outside_law_K": outside}
         rows.append(labels | line | values | origin | _largest_secant(group))
     lines = _with_one_ratio(pd.DataFrame(rows))
@@ -618,8 +618,8 @@ def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float
 
 def _state_notes(lines: "pd.DataFrame") -> list[str]:
     """Return sentences on rubber that is stiffer while virgin, and on lower values of it."""
-    stiffer = lines["stiffer_virgin"].astype(bool)
-    virgin = ~lines["rubber"].isin([SCRAGGED, ""])
+    excess, scragged = lines["excess"].astype(bool), lines["rubber"] == SCRAGGED
+    stiffer, virgin = excess & scragged, excess & ~scragged
     return [
         note.format(names=joined(list(dict.fromkeys(lines.loc[chosen, "line_bearing"])), "and"))
         for note, chosen in ((VIRGIN_NOTE, stiffer), (LOWER_NOTE, virgin))

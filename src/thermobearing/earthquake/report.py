@@ -340,7 +340,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     )
     states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
     if notes := [
-        f"{row['line_bearing']} at {row['ambient_degC']:g} °C: {cycle_note(row)}"
+        plain(f"{row['line_bearing']} at {row['ambient_degC']:g} °C: {cycle_note(row)}")
         for row in states.to_dict("records")
         if row["cycle"] == FIRST
     ]:
@@ -375,7 +375,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         note=source,
         keep_keys=True,
     )
-    written = lines.drop(columns=["kind", "stiffer_virgin", "law", "secant_kN_mm", "secant_of"])
+    written = lines.drop(columns=["kind", "excess", "law", "secant_kN_mm", "secant_of"])
     files = {
         PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
         LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
@@ -393,11 +393,11 @@ def _reservations(lines: "pd.DataFrame") -> list[str]:
     names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
     sentences = []
     for begins, describes in ((MARKED, (beyond_note, excess_note)), (HEATED, (heated_lead_note,))):
-        texts = [
-            f"{name}: {text}"
-            for name, row in zip(names, rows, strict=True)
-            if (text := "; ".join(filter(None, (describe(row) for describe in describes))))
-        ]
+        names_by_text: dict[str, list[str]] = {}
+        for name, row in zip(names, rows, strict=True):
+            for text in filter(None, (describe(row) for describe in describes)):
+                names_by_text.setdefault(text, []).append(name)
+        texts = [f"{joined(group)}: {text}" for text, group in names_by_text.items()]
         if texts:
             sentences.append(f"{begins} ({'; '.join(texts)}).")
     keys: dict[str, list[str]] = {}
