@@ -1,6 +1,7 @@
 """A result is repeated by its resolved case: every option of a command is a key of it."""
 
 import json
+import re
 import shlex
 import tomllib
 from collections.abc import Mapping
@@ -39,7 +40,7 @@ OF_FORM = {
 OTHER_KEYS = {
     "model_option": list(ModelOptions.model_fields),
     "laboratory": list(Laboratory.model_fields),
-    "law": ["bearings"],  # each with the key of its law
+    "law": ["bearings"],  # each with the key of its law; the stated command has the option
     "across": ["motions"],
     "angle": ["motions"],
     "resample": ["motions"],
@@ -130,6 +131,21 @@ def test_codes_of_an_earlier_check_are_checked_again_with_the_rotation() -> None
         "0.01 rad",
         1,
     )
+
+
+@pytest.mark.usefixtures("no_other_laws")
+def test_a_law_of_the_user_is_an_option_of_the_stated_command(
+    law_file: Path, tmp_path: Path
+) -> None:
+    """The case holds its name and digest: without the file the command is refused."""
+    out = tmp_path / "out"
+    _run("bridge", *SHORT.split(), "--law", law_file, "--report", "-o", out)
+    case = out / "case.resolved.toml"
+    (stated,) = re.findall("Command: (.+)", (out / "links.txt").read_text("utf-8"))
+    assert shlex.split(stated)[:4] == ["thermobearing", "bridge", case.name, "--law"]
+    assert CliRunner().invoke(app, ["bridge", str(case), "-o", f"{out}-2"]).exit_code == 2
+    _run("bridge", case, "--law", law_file, "--no-figures", "-q", "-o", f"{out}-3")
+    assert (Path(f"{out}-3") / case.name).read_bytes() == case.read_bytes()
 
 
 @pytest.mark.parametrize("key", ["rotation", "zone"])

@@ -52,6 +52,8 @@ from thermobearing.results.ranges import (
 from thermobearing.results.saved import SavedResult, read_csv
 
 Row = Mapping[Any, Any]
+# A law of the user in a resolved case: its name and the digest of its source.
+OWN_LAW = re.compile(r'^law = "[^"@]+@[0-9a-f]+"', re.MULTILINE)
 PREPARED = "Prepared by"
 SIGNED = (PREPARED, "Checked by", "Approved by")  # roles, also words of the title block
 
@@ -111,7 +113,9 @@ def build_pieces(
 def result_parts(result: Any, case: str, command: str) -> dict[str, Any]:
     """Return what `build_pieces` needs of a result with a dataset, and of its resolved case."""
     version = str(result.dataset.attrs["version"])
-    repeat_command = f"thermobearing {command} case.resolved.toml"
+    # A law of the user is in a file of the user: the case holds its name and the digest only.
+    law = " --law FILE" if OWN_LAW.search(case) else ""
+    repeat_command = f"thermobearing {command} case.resolved.toml{law}"
     identity = identity_rows(version, case, repeat_command)
     return {"identity": identity, "warnings": result.warnings}
 
