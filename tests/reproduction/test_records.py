@@ -31,7 +31,7 @@ OPEN = "plan-distribution"  # the model has one temperature over the plan
 CLAIMS = {claim.id: claim for claim in load_claims() if claim.rule.kind == "needs-test-data"}
 COLD = "cyclic-hdr-minus20"
 OF_CYCLIC_HDR = {
-    "fig-3-11-first-plunge": HOLDS,
+    "fig-3-11-first-plunge": CLOSE,  # within the record of the last cycle
     "table-4-2-r2": CONTRADICTED,  # the model follows itself better than a test
     "fig-4-7-fits": HOLDS,
     "fig-4-7-first-cycle": CLOSE,  # as strong as itself

@@ -19,7 +19,8 @@ from thermobearing.design import sizing as equal
 from thermobearing.design.case import LineGroup, _settle_groups, bearing_weight, make_design_case
 from thermobearing.design.run import run_design, run_factors
 from thermobearing.design.sizing import load_rubber, shear_modulus
-from thermobearing.structure.model import AxialTable, load_structure
+from thermobearing.structure.connections.axial import AxialTable
+from thermobearing.structure.model import load_structure
 
 
 def test_factors_are_relative_to_the_reference_of_the_rubber() -> None:

@@ -364,7 +364,7 @@ def test_laboratory_by_hand(mode: str, speed: float, monkeypatch: pytest.MonkeyP
 
     def fake(prepared: Any, lines: Any, ground: Any, dt: float, air: Any, **options: Any) -> Any:
         asked.update(options, lines=lines, air=air)
-        return SimpleNamespace(outcome="interrupted")
+        return SimpleNamespace(outcome="interrupted", axial=None)
 
     monkeypatch.setattr(run, "run_structure", fake)
     lab = {"mode": mode, "speed": "25 mm/s", "force_noise": "3 kN", "seed": 4, "delay": "8 ms"}

@@ -178,7 +178,8 @@ def test_every_option_of_a_case_was_tried() -> None:
     elsewhere |= {"lead_ends", "clock"}  # below, and in unit/test_lead_clock.py
     elsewhere |= {"initial_state", "rig"}  # verification/test_handover.py, unit/test_sequences.py
     elsewhere |= {"histories"}  # of files: unit/test_thinning.py
-    elsewhere |= {"sources"}  # of documents, not of numbers: unit/test_cli.py, the same bits
+    # Of documents, not of numbers: unit/test_cli.py, unit/test_repeated_case.py, the same bits.
+    elsewhere |= {"sources", "compare"}
     elsewhere |= {"axial_force"}  # changes no number: unit/test_bearing_checks.py
     elsewhere |= {"axial", "axial_factor", "axial_history"}  # verification/test_axial.py
     elsewhere |= {"exposure", "state"}  # unit/test_exposure.py, unit/test_state.py

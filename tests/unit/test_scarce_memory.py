@@ -30,22 +30,18 @@ def limited(megabytes: float, words: list[str]) -> "subprocess.CompletedProcess[
     )
 
 
-def test_too_little_for_numpy_and_scipy() -> None:
-    ended = limited(0.5e-6 * NEEDED, ["cyclic", "--bearing", "shen-hdr-specimen"])
+@pytest.mark.parametrize("megabytes", [160, 280, 380, 420, 440, 460, 480, 500, 560])
+def test_too_little_for_an_analysis(megabytes: float, tmp_path: Path) -> None:
+    """OpenBLAS asked for its buffers for ever at 460 MB, and HDF5 crashed at 560."""
+    words = ["cyclic", "--bearing", "shen-hdr-specimen", "--ambient", "-20"]
+    ended = limited(megabytes, [*words, "-o", str(tmp_path / "out")])
     assert ended.returncode == 2, ended.stderr
     assert ended.stderr.count("\n") == 1
     assert "ulimit -v" in ended.stderr
+    assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("megabytes", [380, 420, 440, 460, 480, 500])
-def test_too_little_for_an_analysis(megabytes: int, tmp_path: Path) -> None:
-    """OpenBLAS asked for its buffers for ever at 460 MB."""
+def test_enough_for_an_analysis(tmp_path: Path) -> None:
     words = ["cyclic", "--bearing", "shen-hdr-specimen", "--ambient", "-20"]
-    ended = limited(megabytes, [*words, "-o", str(tmp_path / "out")])
-    assert ended.returncode in (0, 2), ended.stderr
-    if ended.returncode:
-        # The library that writes netCDF has a message of its own.
-        assert "not enough memory" in ended.stderr or "cannot be written" in ended.stderr
-        assert ended.stderr.count("\n") == 1
-        assert not list(tmp_path.iterdir())
+    ended = limited(2.5e-6 * NEEDED, [*words, "-o", str(tmp_path / "out")])
+    assert ended.returncode == 0, ended.stderr

@@ -312,13 +312,13 @@ def _makers_table(summary: Summary) -> Table:
     columns += [Quantity(head, form=".2f") for head in ("Factor", "First", "Heated")]
     names = ("ambient_degC", "factor", "first", "heated")
     cells = [
-        [row["quantity"], row["name"], ", ".join(row["kinds"]), *(row[name] for name in names)]
+        [row["quantity"], row["name"], "/".join(row["kinds"]), *(row[name] for name in names)]
         for row in rows
     ]
     others = any(kind not in row["kinds"] for row in rows)
     note = " ".join([MAKERS, *([OTHER_KIND.format(kind)] if others else [])])
     caption = f"Factors of makers compared with those of {summary['bearing']}, {kind}"
-    return Table(caption, columns, cells, 3, note=note)
+    return Table(caption, columns, cells, 2, note=note)
 
 
 def _compared_table(summary: Summary) -> Table:

@@ -37,10 +37,10 @@ from thermobearing.model.options import ModelOptions, build_model, line_only_fau
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.opensees.specimen import read_address, refuse_remote
+from thermobearing.structure.connections.axial import AxialTable
 from thermobearing.structure.fields import Stiffness
 from thermobearing.structure.model import (
     STRUCTURES,
-    AxialTable,
     DampingKind,
     MassModel,
     Structure,

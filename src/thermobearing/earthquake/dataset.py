@@ -58,7 +58,7 @@ from thermobearing.model.outcomes import (
 )
 from thermobearing.motions.pair import MotionPair
 from thermobearing.quantities.register import quantity
-from thermobearing.quantities.warned import UNUSABLE, Warned, one_per_cause
+from thermobearing.quantities.warned import UNTESTED, UNUSABLE, Warned, one_per_cause
 from thermobearing.results.ranges import (
     Ends,
     Row,
@@ -198,7 +198,7 @@ def _collect_warnings(
     messages += failed_checks(of_lead + checks)
     if checks:
         messages += _incomplete_checks(tasks, histories)
-    messages += p_delta_messages(tasks, histories) + measures.oil_messages(tasks)
+    messages += p_delta_messages(tasks, histories) + _oil_messages(tasks)
     messages += loading_messages(case, tasks, histories)
     messages += _climate_messages(case)
     row_tables = {"rig": rig, "tested_range": compared, "bearing_checks": of_lead + checks}
@@ -335,6 +335,22 @@ def _rig_rows(case: EarthquakeCase, tasks: Sequence["Task"], traces: Traces) -> 
         peaks = [float(np.abs(trace[name]).max()) for name in names]
         rows += rig_demand(case.rig, _name(task, task.reported.device.bearing.name), peaks)
     return rows
+
+
+def _oil_messages(tasks: Sequence["Task"]) -> list[Warned]:
+    """Return a warning for each damper whose table of its oil does not reach an ambient."""
+    messages = []
+    for device in tasks[0].case.structure.device_list if tasks else ():
+        temperatures, _ = device.oil()
+        ambients = sorted({task.ambient for task in tasks})
+        outside = [t for t in ambients if not temperatures[0] <= t <= temperatures[-1]]
+        if len(temperatures) > 1 and outside:
+            sentence = (
+                f"its factors are of {temperatures[0]:g} to {temperatures[-1]:g} degC, and are "
+                f"constant beyond; there are runs at {', '.join(f'{t:g}' for t in outside)} degC"
+            )
+            messages.append(Warned(sentence, "oil_table", UNTESTED, f"damper {device.name}"))
+    return messages
 
 
 def _vertical_checks(

@@ -16,7 +16,7 @@ from thermobearing.core.types import BearingResponse
 from thermobearing.cyclic.protocol import lengths
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
-from thermobearing.quantities.warned import ASSUMED, UNTESTED, Warned
+from thermobearing.quantities.warned import ASSUMED, Warned
 from thermobearing.results.metrics import (
     BALANCE,
     LEAST_ENERGY,
@@ -493,22 +493,6 @@ def device_peaks(task: "Task", history: StructureHistory) -> list[dict[str, Any]
             }
         )
     return rows
-
-
-def oil_messages(tasks: Sequence["Task"]) -> list[Warned]:
-    """Return a warning for each damper whose table of its oil does not reach an ambient."""
-    messages = []
-    for device in tasks[0].case.structure.device_list if tasks else ():
-        temperatures, _ = device.oil()
-        ambients = sorted({task.ambient for task in tasks})
-        outside = [t for t in ambients if not temperatures[0] <= t <= temperatures[-1]]
-        if len(temperatures) > 1 and outside:
-            sentence = (
-                f"its factors are of {temperatures[0]:g} to {temperatures[-1]:g} degC, and are "
-                f"constant beyond; there are runs at {', '.join(f'{t:g}' for t in outside)} degC"
-            )
-            messages.append(Warned(sentence, "oil_table", UNTESTED, f"damper {device.name}"))
-    return messages
 
 
 def _actuator_work(task: "Task", history: StructureHistory) -> float:

@@ -566,7 +566,9 @@ def link_text(
             f"{row['ambient_degC']:g} degC"
         )
         upper = row["ambient_degC"] == lines["ambient_degC"].min()
-        phrases = [cycle_note(row), _assumed_phrase(row), beyond_note(row), excess_note(row)]
+        keys = ", ".join(assumed_in_file(row))
+        assumed = f"assumed in the bearing file: {keys}" if keys else ""
+        phrases = [cycle_note(row), assumed, beyond_note(row), excess_note(row)]
         phrases += [heated_lead_note(row), secant_note(row) if upper else ""]
         for phrase in phrases:
             text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
@@ -641,12 +643,6 @@ def secant_note(row: Mapping[Any, Any]) -> str:
 def assumed_in_file(row: Mapping[Any, Any]) -> list[str]:
     """Return the keys of the bearing file whose numbers a line rests on and were not measured."""
     return [key for key in row["assumed"].split() if key not in (EXTRAPOLATED, VIRGIN_EXCESS)]
-
-
-def _assumed_phrase(row: Mapping[Any, Any]) -> str:
-    """Return which numbers of the bearing file were not measured; empty where all were."""
-    keys = assumed_in_file(row)
-    return f"assumed in the bearing file: {', '.join(keys)}" if keys else ""
 
 
 def periods_table(

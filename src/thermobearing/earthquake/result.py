@@ -422,10 +422,7 @@ class EarthquakeResult(DatasetResult):
 
     @property
     def damping_note(self) -> str:
-        """What runs owe to viscous damping, as a sentence; empty where it takes little.
-
-        A warning where the analysis chose the kind of damping, otherwise an assumption of reports.
-        """
+        """What runs owe to viscous damping, as a sentence; empty where it takes little."""
         shares = self.table["damping_of_input"].to_numpy(dtype=float)
         return measures.damping_sentence(shares, str(self.dataset.attrs["damping"]))
 

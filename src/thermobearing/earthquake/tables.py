@@ -651,10 +651,10 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     )
     note += f" Peaks of each line are in {LINES}." if result.has_parts else ""
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
-    is_closed = frame["loop_K_eq_kN_mm"].notna()
-    closed, open_keys = frame[is_closed], frame.loc[~is_closed, keys]
-    if len(open_keys):
-        places = ["; ".join(map(str, row)) for row in open_keys.itertuples(index=False)]
+    closed = frame[frame["loop_K_eq_kN_mm"].notna()]
+    if len(closed) < len(frame):
+        rows = frame.drop(closed.index)[keys].itertuples(index=False)
+        places = ["; ".join(map(str, row)) for row in rows]
         note = f"{note} Without a row, since the loop does not close: {joined(places)}."
     table = make_table(closed, [*keys, *LOOP], caption, keys=len(keys), note=note)
     return with_invalid_marked(table, closed, LOOP)
@@ -681,11 +681,9 @@ def _balance_table(result: "EarthquakeResult", *, bearing: bool = False) -> Tabl
         energies = [name for name in measures.STRUCTURE if f"{name}_kN_mm" in energy]
         names = [*(f"{name}_kN_mm" for name in energies), "structure_residual"]
         caption = "Energy balance of the structure"
-        absorbed = [name for name in energies if name != "input"]
-        note = (
-            f"Input = {' + '.join(absorbed)} (all bearings); the residual is relative to the "
-            "input. The balance of one bearing has its own table."
-        )
+        absorbed = " + ".join(name for name in energies if name != "input")
+        note = f"Input = {absorbed} (all bearings); the residual is relative to the input. "
+        note += "The balance of one bearing has its own table."
     heads = {
         "structure_residual": "Residual",
         "mechanical_residual": "Residual, mech.",

@@ -435,6 +435,7 @@ def replace_elements(
 
     Examples
     --------
+    >>> from thermobearing.opensees import replace_elements, serve
     >>> import openseespy.opensees as ops  # doctest: +SKIP
     >>> with serve("shen-lhdr-bridge", ambient=-20, units="kN-m") as line:  # doctest: +SKIP
     ...     replace_elements(ops, [101, 102], line)  # then analyse the model
