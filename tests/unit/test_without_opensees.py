@@ -22,10 +22,12 @@ NEED_IT = (
     "tests/cross_code/test_opensees_axial.py",
     "tests/cross_code/test_opensees_frame.py",
     "tests/cross_code/test_opensees_girder.py",
+    "tests/cross_code/test_opensees_lead_rubber.py",
     "tests/cross_code/test_opensees_material.py",
     "tests/cross_code/test_opensees_pier.py",
     "tests/cross_code/test_opensees_plan.py",
     "tests/cross_code/test_opensees_plane.py",
+    "tests/cross_code/test_opensees_replaced.py",
     "tests/cross_code/test_opensees_script.py",
     "tests/cross_code/test_opensees_serve.py",
     "tests/docs/test_pictures.py",
@@ -33,7 +35,7 @@ NEED_IT = (
     "tests/verification/test_factors.py",
     "tests/verification/test_devices.py",
 )
-SKIPPED = 15 + 2 + 5 + 13 + 1 + 2 + 13 + 5 + 9 + 6 + 3 + 1 + 1 + 4
+SKIPPED = 15 + 2 + 5 + 1 + 13 + 7 + 2 + 13 + 5 + 5 + 10 + 3 + 2 + 1 + 4
 
 
 @pytest.fixture
