@@ -595,10 +595,32 @@ def test_samples_that_do_not_resolve_a_turn_are_named() -> None:
     """0.6 mm are 0.4 of d_y = 1.5 mm: enough where sharp turns are known, not where rounded."""
     sharp, rounded = moving_legs(50.0, 0.0, 0.02), moving_legs(50.0, 0.04, 0.02)
     assert describe_coarse_samples(sharp, 1.5) == ""
-    assert "81 Hz" in describe_coarse_samples(sharp, 1.5, also_sharp=True)  # 50 * 0.61 / 0.375
+    assert "80 Hz" in describe_coarse_samples(sharp, 1.5, also_sharp=True)  # 50 * 0.6 / 0.375
     assert describe_coarse_samples(rounded, 1.5) != ""
     dense = moving_legs(200.0, 0.04, 0.02)
     assert describe_coarse_samples(dense, 1.5, also_sharp=True) == ""
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02, 0.07, 0.0875, 0.12])
+def test_noise_does_not_make_steps_longer_or_turns_round(noise: float) -> None:
+    """Steps of 0.3 mm, resolved by d_y = 1.214 mm; a rest that is held makes most of the record."""
+    for shift in range(3):
+        legs = moving_legs(100.0, 0.0, 0.0)
+        motion = legs.displacement
+        scatter = noise * np.random.default_rng(shift).normal(size=len(motion))
+        x = np.append(motion + scatter, np.full(1200, motion[-1]))
+        record = record_from_arrays(0.01 * np.arange(len(x)), x, 2.0 * x, 23.0)
+        assert step_at_reversals(record) == pytest.approx(0.3, abs=0.005 + 0.2 * noise)
+        assert describe_coarse_samples(record, 1.214) == ""
+        if noise < 0.05:
+            assert len(find_sharp_turns(record.time, record.displacement)) == 6
+
+
+def test_the_rate_that_is_asked_for_is_above_that_of_the_record() -> None:
+    """Steps of 0.294 mm are 105 and 118 % of the limit, a quarter of d_y, where turns are round."""
+    record = moving_legs(100.0, 0.04, 0.0)
+    assert describe_coarse_samples(record, 4.0 * 0.294 / 1.05) == ""
+    assert "118 Hz or more instead of 100 Hz" in describe_coarse_samples(record, 1.0)
 
 
 def test_displacements_that_make_intervals_too_narrow() -> None:

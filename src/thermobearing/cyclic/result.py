@@ -343,8 +343,8 @@ class Result(DatasetResult):
             if softened and mismatch > SMALL_MISMATCH * peak:
                 missing = quantity("layer_force_mismatch_max", form=".2g").text(mismatch)
                 sentences.append(
-                    f"at {ambient:g} degC: force error of at mismatch {missing} kN "
-                    f"({100.0 * mismatch / peak:.1f} % of the peak) where the published law softens"
+                    f"at {ambient:g} degC: where the published law softens, the force differs from "
+                    f"it by up to {missing} kN ({100.0 * mismatch / peak:.1f} % of the peak)"
                 )
         for name, model_result in self.compared.items():
             outcomes = zip(

@@ -17,7 +17,12 @@ from thermobearing.identify.properties import (
     properties_table,
     property_sentence,
 )
-from thermobearing.identify.records.treatment import DRIFT
+from thermobearing.identify.records.treatment import (
+    DRIFT,
+    MAY_REMAIN,
+    NOT_SIGNIFICANT,
+    SIGNIFICANCE,
+)
 from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.uncertainty.covariance import POOR
 from thermobearing.quantities.governing import largest_by
@@ -106,8 +111,8 @@ def _treatment_table(records: Sequence[Row]) -> Table:
         )
     note = (
         "Rests are held at constant displacement; spikes and drift are removed on request. A drift "
-        f"is stated where its interval excludes zero and it exceeds {percent(DRIFT)} of the peak "
-        "of the smallest cycles."
+        f"is stated where it is significant (two-sided, {percent(1.0 - SIGNIFICANCE)}) and exceeds "
+        f"{percent(DRIFT)} of the peak of the smallest cycles, or where its removal was requested."
     )
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
@@ -132,7 +137,7 @@ def _treatment_steps(treatment: Row) -> list[str]:
             steps += [f"{counted(count, 'spike')} of the {name} removed"] if count else []
     for name, size in _drift_sizes(treatment).items():
         if name in treatment["drift_removed"]:
-            steps.append(f"a drift of the {name} of {size} removed")
+            steps.append(f"a drift of the {name} of {size} removed{_remainder(treatment, name)}")
         else:
             steps.append(f"a drift of the {name} of {size} not removed")
     for key, offset in treatment.get("offsets", {}).items():
@@ -153,6 +158,17 @@ def _subtracted(treatment: Row) -> list[str]:
 def _reversed(treatment: Row) -> list[str]:
     """Return whether the sign of the force was reversed, in words."""
     return ["the sign of the force reversed"] if treatment.get("force_reversed") else []
+
+
+def _remainder(treatment: Row, name: str) -> str:
+    """Return how much of the drift of a signal may remain after its removal, in brackets."""
+    for key, error in treatment.get("drift_error", {}).items():
+        signal, _, unit = key.rpartition("_")
+        if signal == name:
+            significant = treatment.get("drift_significant", {}).get(key, True)
+            chance = "" if significant else f"; {NOT_SIGNIFICANT[:1].lower()}{NOT_SIGNIFICANT[1:]}"
+            return f" (up to {number(error, '.2g')} {unit} {MAY_REMAIN}{chance})"
+    return ""
 
 
 def _drift_sizes(treatment: Row) -> dict[str, str]:

@@ -57,7 +57,12 @@ FEWEST_ZEROS = 4  # a line through fewer zeros says nothing
 # variance of their mean is 1/(1/16 + 1/4 + 1/16) times that of independent zeros.
 SHARED_LEGS = math.sqrt(8.0 / 3.0)
 UPPER_END = 0.975  # of a 95 % interval
-UNSURE = 0.1  # of a drift: with a wider interval, its removal is a warning
+# Two-sided: of tests without a drift, one in a hundred has one by chance.
+SIGNIFICANCE = 0.01
+NOT_SIGNIFICANT = (
+    f"It is not significant (two-sided, {percent(1.0 - SIGNIFICANCE)}) and may be chance"
+)
+MAY_REMAIN = "may remain or be too much"  # of a drift that was removed
 
 
 @dataclass(frozen=True)
@@ -176,7 +181,8 @@ class Drift(NamedTuple):
     begin: float  # of the line at the first of these times [mm or kN]
     total: float  # over the record [mm or kN]
     error: float  # half the 95 % interval of `total` [mm or kN]
-    matters: bool  # to the smallest cycles, and no chance: it is warned of
+    significant: bool  # unlikely to be chance
+    matters: bool  # to the smallest cycles, and its interval excludes zero: it is warned of
 
 
 @dataclass(frozen=True)
@@ -209,6 +215,9 @@ class Treatment:
             "drift": {f"{name}_{UNITS[name]}": drift.total for name, drift in self.drifts.items()},
             "drift_error": {
                 f"{name}_{UNITS[name]}": drift.error for name, drift in self.drifts.items()
+            },
+            "drift_significant": {
+                f"{name}_{UNITS[name]}": drift.significant for name, drift in self.drifts.items()
             },
             "drift_removed": [name for name in _detrended(self.record) if name in self.drifts],
             "subtracted": {
@@ -354,8 +363,8 @@ def _possible_force(x: Floats, force: Floats) -> Floats:
 def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
     """Return the drifts of signals, by lines through their zeros.
 
-    A signal whose drift is to be removed has its line in any case; others where it is certain and
-    matters.
+    A signal whose drift is to be removed has its line in any case; others where it is significant
+    and matters.
     """
     from scipy.special import stdtrit
 
@@ -374,14 +383,19 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
         small_peak = 0.5 * float(np.ptp(getattr(record, name)[smallest.first : smallest.last + 1]))
         (slope, begin), covariance = np.polyfit(times - times[0], middles, 1, cov=True)
         slope_error = float(np.sqrt(covariance[0, 0]))
-        half_width = float(stdtrit(len(times) - 2, UPPER_END)) * SHARED_LEGS * slope_error
-        # Both: a slope that is no chance, and a drift of a size that matters to the smallest
-        # cycles, whose stiffness and damping it changes most.
+        half_width, least = (
+            float(stdtrit(len(times) - 2, end)) * SHARED_LEGS * slope_error
+            for end in (UPPER_END, 1.0 - 0.5 * SIGNIFICANCE)
+        )
+        # A drift matters to the smallest cycles most, whose stiffness and damping it changes.
         share = abs(slope) * length / small_peak
+        significant = abs(slope) > least
+        # Few zeros cannot show even a large drift to be significant: it is warned of all the same.
         matters = abs(slope) > max(SURE * slope_error, half_width) and share > MUCH_DRIFT
-        if name in requested or (abs(slope) > half_width and share > DRIFT):
+        if name in requested or matters or (significant and share > DRIFT):
             line = float(slope), float(begin), float(slope) * length
-            drifts[name] = Drift(times, middles, *line, half_width * length, bool(matters))
+            error = half_width * length
+            drifts[name] = Drift(times, middles, *line, error, bool(significant), bool(matters))
     return drifts
 
 
@@ -415,23 +429,21 @@ def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
     for name, drift in treatment.drifts.items():
         unit = UNITS[name]
         size = f"{drift.total:.3g} \N{PLUS-MINUS SIGN} {drift.error:.2g} {unit} (95 %)"
+        chance = "" if drift.significant else f". {NOT_SIGNIFICANT}"
         if name in _detrended(record):
             message = (
                 f"the drift of the zero of the {name}, {size} over the record, was removed as a "
                 "straight line in time"
             )
-            if drift.error <= UNSURE * abs(drift.total):
-                yield note("drift", message)
-            else:
-                yield warn(
-                    "drift",
-                    f"{message}. Up to {drift.error:.2g} {unit} may remain or be too much: "
-                    f"{counted(len(drift.times), 'half cycle')} determine the line",
-                )
+            yield note(
+                "drift",
+                f"{message}{chance}. Up to {drift.error:.2g} {unit} {MAY_REMAIN}: "
+                f"{counted(len(drift.times), 'half cycle')} determine the line",
+            )
         else:
             message = (
                 f"the zero of the {name} drifts by {size} over the record; "
-                f'detrend = "{name}" in the sidecar, or --detrend {name}, removes it'
+                f'detrend = "{name}" in the sidecar, or --detrend {name}, removes it{chance}'
             )
             yield (warn if drift.matters else note)("drift", message)
     for name in _detrended(record):

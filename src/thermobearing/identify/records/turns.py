@@ -13,6 +13,8 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.cycles import (
+    DEAD,
+    LARGEST_DEAD,
     NONE,
     TURN,
     dead_band,
@@ -21,7 +23,7 @@ from thermobearing.identify.records.cycles import (
 )
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.quantities.words import percent
+from thermobearing.quantities.words import number, percent
 
 LINES = (6, 4, 2)  # samples beside a turn through which a straight line is put; in short legs fewer
 ROUNDED = 0.05  # of the largest cut: mean way of samples at turns from the lines
@@ -30,8 +32,10 @@ EVEN = 1.5  # largest over median interval of these samples and the turn
 STRAIGHT = 0.05  # of a step, or ...
 SCATTER = 2.0  # ... of the noise: scatter about a straight line
 STEEP = 4.0  # of the noise: shorter steps do not show whether a turn is sharp
+SURELY_STEEP = 5.0  # of the noise: of shorter steps, some by chance do not exceed STEEP
 NOISY = 3.0  # of the noise: a sample beyond its place
 REVERSAL = 0.05  # of the largest displacement: between larger legs, steps are measured
+CLOSE = 1.1  # of the largest step: no one records a test again at a rate that is a little higher
 RESOLVED = 0.25  # of d_y: step at a reversal that resolves the tip of a loop, whatever its shape
 
 
@@ -53,11 +57,14 @@ def find_sharp_turns(time: Floats, x: Floats) -> list[Turn]:
     slows down before it turns is not sharp, and its turns are nearly in the record: the largest
     sample of a sine is within 0.2 % of the peak with 50 samples per cycle.
     """
-    noise, turns = estimate_noise(x), list[Turn]()
-    reversals = turning_points(x, max(TURN * float(np.abs(x).max()), dead_band(x)))
+    noise, turns = _noise_of_motion(x), list[Turn]()
+    band = min(DEAD * noise, LARGEST_DEAD * float(np.abs(x).max()))
+    reversals = turning_points(x, max(TURN * float(np.abs(x).max()), band))
     for k in reversals[1:-1].tolist():
         before, after = (_line_beside(time, x, k, side, noise) for side in (-1, 1))
         if before is None or after is None or before.slope * after.slope >= 0.0:
+            continue
+        if min(before.step, after.step) <= STEEP * noise:
             continue
         # Two samples always are on a line: they count as a leg at the speed of the other one.
         fewer, more = sorted((before, after), key=lambda line: line.samples)
@@ -94,6 +101,7 @@ class _Line(NamedTuple):
     slope: float  # [mm/s]
     at_turn: float  # at the sample of the turn [mm]
     samples: int
+    step: float  # way from one sample to the next [mm]
 
 
 def _line_beside(time: Floats, x: Floats, k: int, side: int, noise: float) -> _Line | None:
@@ -112,8 +120,8 @@ def _line_beside(time: Floats, x: Floats, k: int, side: int, noise: float) -> _L
         residual = d - d.mean() - slope * centred
         scatter = math.sqrt(float(np.sum(residual**2)) / max(count - 2, 1))
         straight = scatter <= max(STRAIGHT * step, SCATTER * noise)
-        if straight and step > STEEP * noise and gaps.max() < EVEN * float(np.median(gaps)):
-            return _Line(slope, float(d.mean() - slope * t.mean()), count)
+        if straight and gaps.max() < EVEN * float(np.median(gaps)):
+            return _Line(slope, float(d.mean() - slope * t.mean()), count, step)
     return None
 
 
@@ -133,19 +141,32 @@ def step_at_reversals(record: TestRecord) -> float:
     """Return the median, over the reversals, of the larger step to a neighbouring sample [mm].
 
     It is the speed over the sampling rate in triangular cycles, and far less in sines. 0 without
-    a reversal.
+    a reversal. Where the motion is straight next to a reversal, the step is that of the line
+    through its samples: noise makes the difference of two samples larger, not the slope of six.
     """
-    turns = _reversals(record)
+    turns, time, x = _reversals(record), record.time, record.displacement
     if not len(turns):
         return 0.0
-    x = record.displacement
-    before, after = np.abs(x[turns] - x[turns - 1]), np.abs(x[turns + 1] - x[turns])
-    return float(np.median(np.maximum(before, after)))
+    noise, steps = _noise_of_motion(x), []
+    for k in turns.tolist():
+        lines = (_line_beside(time, x, k, side, noise) for side in (-1, 1))
+        steps.append(
+            max(
+                line.step if line is not None and line.samples > 2 else abs(x[k + side] - x[k])
+                for side, line in zip((-1, 1), lines, strict=True)
+            )
+        )
+    return float(np.median(steps))
 
 
 def _reversals(record: TestRecord) -> Ints:
     x = record.displacement
     return turning_points(x, max(dead_band(x), REVERSAL * record.peak_displacement))[1:-1]
+
+
+def _noise_of_motion(x: Floats) -> float:
+    """Return the noise of a displacement [mm] outside rests, which a treatment holds at a value."""
+    return estimate_noise(x[np.append(True, np.diff(x) != 0.0)])
 
 
 def describe_coarse_samples(record: TestRecord, d_y: float, *, also_sharp: bool = False) -> str:
@@ -155,14 +176,15 @@ def describe_coarse_samples(record: TestRecord, d_y: float, *, also_sharp: bool 
     up to d_y apart, unless the sentence is `also_sharp`.
     """
     step, limit = step_at_reversals(record), _largest_step(record, d_y, also_sharp)
-    if step <= limit:
+    if step <= CLOSE * limit:
         return ""
     rate = 1.0 / float(np.median(np.diff(record.time)))
+    wanted = number(rate * step / (RESOLVED * d_y), ".2g")
     return (
         f"the displacement changes by {step:.2g} mm from one sample to the next at the reversals, "
         f"{percent(step / d_y)} of d_y = {d_y:.3g} mm. Record the test at "
-        f"{rate * step / (RESOLVED * d_y):.2g} Hz or more instead of {rate:.3g} Hz, which do not "
-        "resolve the tips of the loops"
+        f"{wanted} Hz or more instead of {number(rate, '.3g')} Hz, which do not resolve the tips "
+        "of the loops"
     )
 
 
@@ -179,7 +201,7 @@ def describe_coarsest(
 def _largest_step(record: TestRecord, d_y: float, also_sharp: bool) -> float:
     """Return the largest step at a reversal that is not reported [mm]."""
     # Steps that noise makes say nothing about the motion, and noise is warned of by itself.
-    noisy = step_at_reversals(record) < STEEP * estimate_noise(record.displacement)
+    noisy = step_at_reversals(record) < SURELY_STEEP * _noise_of_motion(record.displacement)
     return d_y if noisy or (not also_sharp and _is_sharp(record)) else RESOLVED * d_y
 
 
