@@ -166,6 +166,46 @@ def test_a_warning_of_the_certificate_is_not_cut_in_a_clause(text: str, line: st
     assert first_sentences(text, identify_certificate.LINE) == line
 
 
+def test_a_certificate_keeps_what_a_warning_says_of_its_numbers() -> None:
+    """The sentence on intervals is beyond the end of a line, and stays; its warning is first."""
+    narrow = "The 95 % intervals of s and d_y are too narrow"
+    step = (
+        "test: the displacement changes by 0.38 mm. " + "Record it " + "again " * 20 + "at 130 Hz"
+    )
+    clause = (
+        "The noise is large" + " so" * 40 + "; its intervals are narrow. Filter it" + " now" * 20
+    )
+    others = [f"Another cause {k} of no number. " + "reason " * 20 for k in range(3)]
+    warnings = identify_certificate._certified_warnings([*others, f"{step}. {narrow}", clause])
+    assert warnings[0] == f"Warning: test: the displacement changes by 0.38 mm. {narrow}."
+    assert warnings[1] == f"Warning: {clause.partition(' Filter')[0]}"
+    assert warnings[2] == "Warning: Another cause 0 of no number."
+    assert warnings[3].startswith("The file report.html has 2 more warnings")
+    assert len(warnings) == identify_certificate.MOST_WARNINGS + 1
+
+
+def test_a_certificate_names_specimens_sizes_and_references(fitted: SavedResult) -> None:
+    records = [
+        record | {"conditions": record["conditions"] | {"specimen": name}}
+        for record in fitted.summary["records"]
+        for name in ("B-07", "B-08", "B-07")
+    ]
+    plain = identify_certificate.build_certificate(fitted)
+    assert plain.title.endswith(f"certificate of {SPECIMEN}")
+    named = replace(fitted, summary={**fitted.summary, "records": records[:1]})
+    assert identify_certificate.build_certificate(named).title.endswith("of specimen B-07")
+    both = replace(fitted, summary={**fitted.summary, "records": records})
+    assert identify_certificate.build_certificate(both).title.endswith("of specimens B-07 and B-08")
+    assert "compound.toml" in plain.question
+    item = next(iter(fitted.summary["parameters"].values()))
+    parameters = {**fitted.summary["parameters"], "m": {**item, "symbol": "m_T"}}
+    table = identify_certificate._certified_parameters(
+        {**fitted.summary, "parameters": parameters},
+        {"hysteresis": {"reference_temperature": "23.0 degC"}},
+    )
+    assert table.note.startswith("K_r is the value at 23 °C and m_T is per 100 K. ")
+
+
 def test_certificate_explains_numbers_that_are_missing(fitted: SavedResult) -> None:
     """The fourth of five cycles closed a block."""
     first = fitted["cycles"].iloc[[0]]

@@ -1,5 +1,6 @@
 """The certificate of a calibration: one page for a laboratory to sign."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -32,6 +33,7 @@ from thermobearing.quantities.words import (
     joined,
     number,
     percent,
+    quantity,
     tidy,
 )
 from thermobearing.report import content
@@ -39,7 +41,7 @@ from thermobearing.report.content import TESTS
 from thermobearing.report.pieces import Pieces, ReportFigure
 from thermobearing.reported import bearing_words
 from thermobearing.results.base import COMPLETED
-from thermobearing.results.directory import IDENTIFIED, INPUT_DIGESTS
+from thermobearing.results.directory import COMPOUND, IDENTIFIED, INPUT_DIGESTS
 from thermobearing.results.ranges import EXTREME, REST, names_by_sentence
 from thermobearing.results.saved import SavedResult
 
@@ -54,6 +56,10 @@ OF_A_TABLE = 4  # rows that caption and heads of a table take
 LINE = 95  # letters of a statement in one line of the page
 USUAL_LINES = 7  # of the range, the specimen, the digest and one more
 MOST_WARNINGS = 3  # that are listed
+CONCERNS = re.compile("interval|standard error")  # what the tables of the page state
+SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
+MOST_SPECIMENS = 3  # that the title names
+TEMPERATURE_COEFFICIENTS = ("m_T", "n_T")
 NARROW = 14  # letters of a name in the table of tests that do not break
 MOST_FILES = 6  # of tests that are listed; inputs.sha256 has all
 MOST_LOOPS = 3  # panels of its figure
@@ -82,7 +88,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
     bearing, _ = split_sources(read_toml(saved.path / IDENTIFIED))
     named = {**bearing, "name": summary["bearing"]}
     tests = [str(record["name"]) for record in summary["records"]]
-    parameters = parameters_table(summary, BRIEF)
+    parameters = _certified_parameters(summary, bearing)
     held_out = summary.get("held_out") or {}
     listed = [*summary["records"], *held_out.get("records", [])]
     tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}
@@ -110,10 +116,10 @@ def build_certificate(saved: SavedResult) -> Pieces:
     drawn = "fit" in saved.tables and room >= OVERFULL
     return Pieces(
         command="certificate",
-        title=f"Calibration certificate of {summary['bearing']}",
+        title=f"Calibration certificate of {_subject(summary)}",
         question=f"The model of the bearing {bearing_words(named)} was calibrated to "
         f"{counted(len(tests), 'test')} ({joined(tests)}). "
-        "Its parameters are valid for bearings of the same rubber compound.",
+        f"{_certified_sizes(saved)}",
         answer=answer,
         tables=tables,
         figures={"loops": _certified_loops(saved, height)} if drawn else {},
@@ -148,6 +154,38 @@ def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, note=note, keep_keys=True)
 
 
+def _subject(summary: Row) -> str:
+    """Return the specimens of the tests, or the bearing where no test names one."""
+    names = (record["conditions"].get("specimen") for record in summary["records"])
+    specimens = [str(name) for name in dict.fromkeys(names) if name]
+    if not specimens or len(specimens) > MOST_SPECIMENS:
+        return str(summary["bearing"])
+    return f"{'specimen' if len(specimens) == 1 else 'specimens'} {joined(specimens)}"
+
+
+def _certified_sizes(saved: SavedResult) -> str:
+    """Return a sentence on the sizes of bearings that the parameters are valid for."""
+    text = "The parameters are those of a bearing of this size and rubber compound"
+    if is_file(saved.path / COMPOUND):
+        return f"{text}; {COMPOUND} contains the compound, for bearings of other sizes."
+    return f"{text}."
+
+
+def _certified_parameters(summary: Row, bearing: Row) -> Table:
+    """Return the parameters; the note has what their values are relative to."""
+    table = parameters_table(summary, BRIEF)
+    symbols = [str(item["symbol"]) for item in summary["parameters"].values()]
+    coefficients = [symbol for symbol in TEMPERATURE_COEFFICIENTS if symbol in symbols]
+    relative = []
+    if "K_r" in symbols:
+        reference = quantity(bearing["hysteresis"]["reference_temperature"])
+        relative.append(f"K_r is the value at {reference}")
+    if coefficients:
+        verb = "is" if len(coefficients) == 1 else "are"
+        relative.append(f"{joined(coefficients)} {verb} per 100 K")
+    return replace(table, note=f"{joined(relative)}. {table.note}") if relative else table
+
+
 def _certified_conditions(records: Sequence[Row]) -> list[str]:
     """Return a statement on specimen, laboratory and rubber of the tests, once if they agree."""
     words = {True: "scragged", False: "virgin", None: "not stated"}
@@ -178,7 +216,8 @@ def _certified_digests(saved: SavedResult, records: Sequence[Row]) -> list[str]:
         return [
             f"SHA-256 of {INPUT_DIGESTS}: `{file_digest(file, LARGEST_MEMBER)}`. That file lists "
             f"the SHA-256 of each of the {count} of all tests, sidecars and tests held out "
-            f"included; `sha256sum -c {INPUT_DIGESTS}` verifies them."
+            f"included; `sha256sum -c` with its path verifies them in the folder in "
+            "which the calibration was run."
         ]
     identity = content.saved_identity(saved, "")
     return [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
@@ -223,13 +262,27 @@ def _certified_held_out(held_out: Row) -> list[str]:
 
 
 def _certified_warnings(warnings: Sequence[str]) -> list[str]:
-    """Return the first sentences of some warnings, and what the report has more."""
-    texts = [f"Warning: {tidy(text)}" for text in warnings[:MOST_WARNINGS]]
-    shown = [first_sentences(text, LINE) for text in texts]
+    """Return what some warnings say of the page, and what the report has more.
+
+    Warnings that concern the numbers on the page come first.
+    """
+    ordered = sorted(warnings, key=lambda text: CONCERNS.search(text) is None)
+    texts = [f"Warning: {tidy(text)}" for text in ordered[:MOST_WARNINGS]]
+    shown = [_certified_warning(text) for text in texts]
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
     rest += ["the reasons and remedies of these"] if shown != texts else []
     return [*shown, f"The file report.html has {joined(rest)}."] if rest else shown
+
+
+def _certified_warning(text: str) -> str:
+    """Return the first sentences of a warning, and those that concern the numbers on the page."""
+    first = first_sentences(text, LINE)
+    sentences = [sentence for sentence in SENTENCE_END.split(text) if CONCERNS.search(sentence)]
+    later = [sentence for sentence in sentences if sentence.removesuffix(".") not in first]
+    if later and later[0].startswith(first.removesuffix(".")):
+        return " ".join(later)  # the first clause is one of a sentence that is needed completely
+    return " ".join([first, *later])
 
 
 def _certified_rows(cycles: "pd.DataFrame") -> "pd.DataFrame":
