@@ -30,7 +30,7 @@ from thermobearing.motions.library import load_motion
 from thermobearing.motions.run import examine_motion
 from thermobearing.quantities.words import first_sentences
 from thermobearing.report import pdf
-from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces
+from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces, checks_table
 from thermobearing.report.template import _arranged, document
 from thermobearing.reporting import make_report
 from thermobearing.results.drawing import save_figures
@@ -182,6 +182,17 @@ def test_a_certificate_keeps_what_a_warning_says_of_its_numbers() -> None:
     assert warnings[2] == "Warning: Another cause 0 of no number."
     assert warnings[3].startswith("The file report.html has 2 more warnings")
     assert len(warnings) == identify_certificate.MOST_WARNINGS + 1
+
+
+@pytest.mark.parametrize(
+    ("value", "printed"), [(0.99958, 0.9996), (0.99998, 0.9999), (0.5, 0.5), (1.0, 1.0)]
+)
+def test_a_check_of_the_agreement_states_1_of_none_but_a_perfect_one(
+    fitted: SavedResult, value: float, printed: float
+) -> None:
+    records = [{**record, "R2": value} for record in fitted.summary["records"]]
+    checks = identify_report._report_checks({**fitted.summary, "records": records})
+    assert checks_table(checks).rows[0][1] == printed
 
 
 def test_a_certificate_names_specimens_sizes_and_references(fitted: SavedResult) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
@@ -29,6 +30,7 @@ BINS = 3000
 LABELLED = 2.0  # parameters in an inch whose correlation is printed into the squares
 BAND_WIDTH = 4.0  # of a test under the thin lines of models [pt]
 PALE_TEST = "#c3c8d0"
+PALENESS = 0.6  # part of white in the colour of a test, where the model has the colour itself
 DASHES = ("--", ":", "-.")  # of the temperatures of models
 SMALL_TURN = 0.1  # of the largest displacement: the force at smaller turns is not shown
 MEASURES: dict[str, tuple[str, str, Callable[[CycleMeasures], float]]] = {
@@ -38,6 +40,11 @@ MEASURES: dict[str, tuple[str, str, Callable[[CycleMeasures], float]]] = {
     "energy_error": ("energy", "energy [kJ = kN m]", lambda m: m.energy_kN_mm / 1000.0),
     "force_max_error": ("peak force", "force [kN]", lambda m: max(m.force_max_kN, -m.force_min_kN)),
 }
+
+
+def _paler(colour: str) -> tuple[float, ...]:
+    """Return a colour mixed with white, for the band of a test under the line of a model."""
+    return tuple(PALENESS + (1.0 - PALENESS) * part for part in to_rgb(colour))
 
 
 class ComparisonFigures(drawing.Figures):
@@ -181,8 +188,8 @@ class ComparisonFigures(drawing.Figures):
         for ax, record in zip(axes, records, strict=False):
             colours = drawing.ordered_colours(len(record.temperatures), "turbo")
             for (place, test), colour in zip(record.temperatures.items(), colours, strict=True):
-                label = f"{place} ({record.places[place]})"
-                ax.plot(record.time, test, color=colour, linewidth=1.4, label=label)
+                label, pale = f"{place} ({record.places[place]})", _paler(colour)
+                ax.plot(record.time, test, color=pale, linewidth=BAND_WIDTH, label=label)
                 for comparison, _ in self._comparisons(record):
                     assert comparison.prediction is not None
                     style: drawing.Look = {
@@ -197,8 +204,11 @@ class ComparisonFigures(drawing.Figures):
                     )
             ax.legend(fontsize=drawing.SMALL, frameon=False)
             drawing.name_axes(ax, "time [s]", "temperature [degC]", self._test_name(record))
-        lines = {"test": "-", **dashes}.items()
-        handles = [Line2D([], [], color=drawing.INK, ls=k, label=name) for name, k in lines]
+        handles = [Line2D([], [], color=PALE_TEST, linewidth=BAND_WIDTH, label="test (band)")]
+        handles += [
+            Line2D([], [], color=drawing.INK, linewidth=1.0, ls=dash, label=name)
+            for name, dash in dashes.items()
+        ]
         drawing.legend_below(figure, handles)
         return figure
 

@@ -26,6 +26,7 @@ from thermobearing.identify.records.treatment import (
 from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.uncertainty.covariance import POOR
 from thermobearing.quantities.governing import largest_by
+from thermobearing.quantities.register import quantity as registered
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
     counted,
@@ -466,7 +467,7 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         for name, words in measures
     ]
     sentences.append(
-        f"R² of the force is at least {_rounded_down(min(r['R2'] for r in records))} in every "
+        f"R² of the force is at least {rounded_down(min(r['R2'] for r in records))} in every "
         "test. Single "
         f"cycles are off by up to {joined(errors)}."
     )
@@ -482,9 +483,15 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     return sentences
 
 
-def _rounded_down(value: float) -> str:
+def rounded_down(value: float) -> str:
     """Return a lower limit in four digits, so that "1.0000" is only said of a perfect agreement."""
     return f"{math.floor(1e4 * value) / 1e4:.4f}"
+
+
+def _rounded_R2(value: float) -> str:
+    """Return R2 as other tables have it, but "1.0000" of a perfect agreement only."""
+    text = registered("R2").text(value)
+    return text if value >= 1.0 or float(text) < 1.0 else rounded_down(value)
 
 
 def rounded_range(ends: Sequence[Any]) -> str:
@@ -538,6 +545,7 @@ def _report_checks(summary: Row) -> list[Check]:
             f"minimum for acceptance; below {POOR_R2:g} a warning is given",
             PASSED if record["R2"] >= UNUSABLE else EXCEEDED,
             lower=True,
+            rounded=_rounded_R2(float(record["R2"])),
         )
         for record in summary["records"]
     ]

@@ -156,7 +156,8 @@ class Check:
 
     `what` has the run or place that decides, `limited` says what the limit is of, without these;
     `lower` says that the limit is a lower one, and `of_tests` that it is an end of the calibration
-    range and no engineering limit; `runs` are those that pass such an end.
+    range and no engineering limit; `runs` are those that pass such an end; `rounded` is the value
+    in the digits of a table where these are not three.
     """
 
     what: str
@@ -169,6 +170,7 @@ class Check:
     of_tests: bool = False
     limited: str = ""
     runs: frozenset[str] = frozenset()
+    rounded: str = ""
 
     @property
     def without_limit(self) -> bool:
@@ -240,6 +242,7 @@ def _value_and_limit(check: Check) -> tuple[float, str]:
     sign = "\N{GREATER-THAN OR EQUAL TO}" if check.lower else "\N{LESS-THAN OR EQUAL TO}"
     for form in (".3g", ".4g", ".6g"):
         value, limit = format_number(check.value, form), format_number(check.limit, form)
+        value = check.rounded or value
         if value != limit or check.value == check.limit:
             break
     # A limit that has four digits is shown with them: 327.5, not 328.

@@ -8,6 +8,7 @@ from thermobearing.identify.report import (
     error_check,
     errors_table,
     loop_trace,
+    rounded_down,
     tests_table,
     thermocouples_table,
 )
@@ -85,7 +86,7 @@ def _answer(summary: Summary) -> list[str]:
         first = _comparison_label(compared[0], items)
         loop = f"; its largest loop in {first}: {joined(largest)}" if largest else ""
         sentences.append(
-            f"R² of the force is {lowest['R2']:.4f} or more "
+            f"R² of the force is {rounded_down(lowest['R2'])} or more "
             f"(lowest: {_comparison_label(lowest, items)}){loop}."
         )
     return sentences

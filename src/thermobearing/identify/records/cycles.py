@@ -105,13 +105,29 @@ def _first_side(displacement: Floats) -> float:
     return 1.0 if len(moved) == 0 or displacement[moved[0]] > 0.0 else -1.0
 
 
+def closing_cycles(amplitudes: Sequence[float]) -> list[bool]:
+    """Return which cycles stop the motion after a level, from the amplitudes in their order [mm].
+
+    >>> closing_cycles([15.0, 15.0, 3.0, 30.0])
+    [False, False, True, False]
+    """
+    flags, level = list[bool](), 0.0
+    for amplitude in amplitudes:
+        flags.append(amplitude < CLOSING * level)
+        level = level if flags[-1] else amplitude
+    return flags
+
+
 def full_cycles(record: TestRecord) -> list[Cycle]:
     """Return the full cycles, from zero to zero, each beginning to the side of the first move."""
     cycles: list[Cycle] = []
     last_amplitude, number = 0.0, 0
-    for ends in _cycle_ends(record):
-        amplitude = 0.5 * float(np.ptp(record.displacement[ends.first : ends.last + 1]))
-        closing = amplitude < CLOSING * last_amplitude
+    places = _cycle_ends(record)
+    amplitudes = [
+        0.5 * float(np.ptp(record.displacement[ends.first : ends.last + 1])) for ends in places
+    ]
+    rows = zip(places, amplitudes, closing_cycles(amplitudes), strict=True)
+    for ends, amplitude, closing in rows:
         # Closing cycles do not change the level: the next cycle is compared with the one before
         # them.
         same = last_amplitude > 0.0 and abs(amplitude / last_amplitude - 1.0) < SAME

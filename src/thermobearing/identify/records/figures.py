@@ -21,6 +21,7 @@ BINS = 3000
 FEW_TICKS = 14  # of a panel that is half as wide as the page
 LETTERS, LINE = 110, 0.14  # of a line of the findings: most letters, its height [inch]
 REST, MARK, BLOCK, DRIFT = "#dfe7f5", "#CC3311", "#009988", "#EE7733"
+CHAMBER = "#8fa8cf"
 
 
 class RecordFigures(drawing.Figures):
@@ -156,7 +157,9 @@ def _draw_temperatures(
         ax.plot(time[samples], values[samples], color=colour, linewidth=0.9, label=label)
     if ambient is not None:
         samples = _kept(axis, ambient)
-        ax.plot(time[samples], ambient[samples], color=REST, linewidth=0.5, zorder=0)
+        ax.plot(
+            time[samples], ambient[samples], color=CHAMBER, linewidth=0.9, zorder=0, label="chamber"
+        )
     if not record.unclear:
         ax.axhline(
             record.ambient, color=drawing.GREY, linewidth=1.2, linestyle="--", label="ambient"

@@ -12,8 +12,10 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.lazy import pd
 from thermobearing.identify.records.checks import check_test, check_thermocouples
+from thermobearing.identify.records.cycles import closing_cycles
 from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
 from thermobearing.identify.records.treatment import describe_treatment
+from thermobearing.quantities.words import joined
 from thermobearing.results import drawing
 from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -120,6 +122,12 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
     rows = [slice(cycle.first, cycle.last + 1) for cycle in full]
+    closing = closing_cycles([cycle.amplitude_mm for cycle in measures])
+    if numbers := [str(place) for place, flag in enumerate(closing, 1) if flag]:
+        notes.append(
+            "closing cycles, which stop the motion after a level, and which a calibration counts "
+            f"but does not list: {joined(numbers)}"
+        )
     return MeasuredCycles(measures, ends, notes, record, rows, rubber)
 
 
