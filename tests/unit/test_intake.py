@@ -19,7 +19,7 @@ from tests.unit.inputs import command
 from thermobearing.cyclic.result import history_columns
 from thermobearing.identify.records.figures import _time_axis
 from thermobearing.identify.records.record import load_test
-from thermobearing.intake.run import write_template
+from thermobearing.intake.run import _example_places, write_template
 
 BEARING = "shen-hdr-specimen"
 Floats = NDArray[np.float64]
@@ -621,3 +621,10 @@ def test_each_thermocouple_has_its_own_example_of_a_place(tmp_path: Path) -> Non
     (item,) = tb.inspect_files(tmp_path / "t.csv").files
     places = re.findall(r'^# "TE\d \[°C\]" = "(rubber \d)"', item._sidecar_text(tmp_path), re.M)
     assert places == ["rubber 1", "rubber 2"]
+
+
+@pytest.mark.parametrize(("layers", "middle"), [(6, 3), (7, 4), (0, 2)])
+def test_a_thermocouple_in_the_middle_is_in_the_middle_layer(layers: int, middle: int) -> None:
+    """Without a bearing the places are examples in the order of the columns."""
+    places = _example_places(["TC1 außen", "TC2 Mitte"], layers)
+    assert places == {"TC1 außen": "rubber 1", "TC2 Mitte": f"rubber {middle}"}

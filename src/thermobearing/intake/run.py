@@ -29,6 +29,7 @@ from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import SIDECARS, check_target
 from thermobearing.results.figure_style import Wanted
 from thermobearing.results.screen import say, show_table
+from thermobearing.tables.columns import holds_word
 from thermobearing.tables.guess import AXIAL, ColumnGuess
 from thermobearing.tables.laboratory import COLUMNS, KEY, Readings, description, read_laboratory
 from thermobearing.tables.text import SEPARATORS
@@ -63,6 +64,7 @@ class Intake:
     kept: list[str] = field(default_factory=list)  # keys that came from the sidecar
     ambient: Floats | None = None  # samples of the column [degC], where there is one
     assumed_ambient: bool = False  # neither the sidecar nor the file states it
+    layers: int = 0  # of rubber in the bearing; 0 where none is named
 
     def plot(self) -> "Figure":
         """Return the figure: histories with findings, loops, temperatures."""
@@ -128,8 +130,8 @@ class Intake:
         if placeless and "thermocouples" not in self.sidecar:
             lines += ["", "# [thermocouples]  # rubber 1 is the outer layer; or lead"]
         lines += [
-            f"# {tomli_w.dumps({title: f'rubber {layer}'}).strip()}  # an example: state its place"
-            for layer, title in enumerate(placeless, 1)
+            f"# {tomli_w.dumps({title: place}).strip()}  # an example: state its place"
+            for title, place in _example_places(placeless, self.layers).items()
         ]
         # TOML escapes what cannot be printed; comments do not.
         marked = [printable(line) if line.startswith("#") else line for line in lines]
@@ -389,7 +391,17 @@ def _inspect_file(path: Path, bearing: Bearing | str | Path | None) -> Intake:
             or "ambient" in sidecar_keys
             or "ambient" in readings.values
         ),
+        layers=0 if bearing is None else as_bearing(bearing).geometry.rubber_layers,
     )
+
+
+def _example_places(titles: Sequence[str], layers: int) -> dict[str, str]:
+    """Return a place for each thermocouple: the middle layer where its title says so."""
+    middle = (layers + 1) // 2
+    return {
+        title: f"rubber {middle if middle and holds_word(title, 'middle') else number}"
+        for number, title in enumerate(titles, 1)
+    }
 
 
 def _file_keys(readings: Readings, parts: int) -> dict[str, Any]:
