@@ -623,7 +623,7 @@ def test_the_removal_of_a_drift_is_a_note_with_what_may_remain() -> None:
 
 
 def test_a_drift_that_may_be_chance_is_none() -> None:
-    """Of 100 records with noise but no drift, two per signal or fewer have one at 99 %."""
+    """Of 100 records with noise but no drift, 95 % finds 3 in the force, and 99 % none."""
     steps = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=3, rest=5.0)
     plain = synthetic_record(HDR, 0.0, steps, noise=0.0, seed=5)
     rng, reported, significant = np.random.default_rng(11), 0, 0
@@ -639,8 +639,8 @@ def test_a_drift_that_may_be_chance_is_none() -> None:
         significant += line.summary()["drift_significant"]["force_kN"]
         if not line.drifts["force"].significant:
             assert any("may be chance" in f.sentence for f in treatment.describe_treatment(line))
-    assert reported <= 4
-    assert significant <= 2
+    assert reported == 0
+    assert significant <= 1
 
 
 def test_limits_are_those_of_the_data_file(
