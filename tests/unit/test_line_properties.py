@@ -17,23 +17,22 @@ from thermobearing.bearing.sources import COEFFICIENTS, assumed_properties
 from thermobearing.bearing.state import RubberState, in_state
 from thermobearing.border.schema import validated
 from thermobearing.cyclic.equivalent import (
+    find_backbone,
     isothermal_cycle,
     post_yield_ratio,
     stated_backbone,
 )
-from thermobearing.earthquake.properties import (
+from thermobearing.earthquake.properties.bridge import (
     bridge_properties,
     damping_factor,
     hysteretic_ratios,
-    initial_stiffness_note,
-    line_properties,
-    link_text,
-    motions_for_mean,
     nominal_stiffness,
     periods_table,
     structure_devices,
-    temperature_note,
 )
+from thermobearing.earthquake.properties.lines import line_properties, motions_for_mean
+from thermobearing.earthquake.properties.links import link_text
+from thermobearing.earthquake.properties.notes import initial_stiffness_note, temperature_note
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.constants import softening_beyond_tests
@@ -121,6 +120,61 @@ def test_linear_rubber_with_lead_has_its_own_bilinear_loop(temperature: float) -
     assert_allclose(loops[0].post_yield, loops[1].post_yield, rtol=1e-3)
     hardens = tb.load_bearing(HDR)
     assert stated_backbone(hardens, isothermal_cycle(hardens, 1.0), 102.0) is None
+
+
+@pytest.mark.parametrize("part_of_yield", quick_cases([0.5, 1.02, 1.3, 3.0], 1))
+def test_a_loop_near_or_below_yield_is_that_beyond_it(part_of_yield: float) -> None:
+    bearing = tb.load_bearing("lrb-example")
+    rubber = bearing.total_rubber_thickness
+    beyond = stated_backbone(bearing, isothermal_cycle(bearing, 1.0, 100.0, 23.0), rubber)
+    assert beyond is not None
+    amplitude = part_of_yield * beyond.yield_displacement
+    cycle = isothermal_cycle(bearing, amplitude / rubber, 100.0, 23.0)
+    loop, is_stated = find_backbone(bearing, cycle, amplitude, 100.0, 23.0)
+    assert is_stated
+    assert loop is not None
+    assert_allclose(
+        [loop.strength, loop.post_yield, loop.initial],
+        [beyond.strength, beyond.post_yield, beyond.initial],
+        rtol=1e-3,
+    )
+
+
+@pytest.fixture(scope="module")
+def still() -> pd.DataFrame:
+    """Lines that hardly move; a motion of a fiftieth of a record."""
+    motions = [{"name": "jra-ii-i-1", "factor": 0.02}]
+    bearings = ["lrb-example", HDR, BILINEAR]
+    result = tb.bridge(bearings, motions, [23, -20], duration=10)
+    lines = line_properties(result)
+    return lines.assign(text=[_links(result, lines.loc[[index]]) for index in lines.index])
+
+
+@pytest.mark.parametrize("name", ["lrb-example", BILINEAR])
+def test_a_bearing_that_does_not_yield_keeps_the_loop_that_it_has(
+    name: str, still: pd.DataFrame
+) -> None:
+    for row in still[still["bearing"] == name].to_dict("records"):
+        assert row["design_displacement_mm"] < row["D_y_mm"]
+        assert row["h_eff"] == 0.0
+        assert row["kind"] == ""
+        assert_allclose(row["K_1_kN_mm"], row["K_eff_kN_mm"], rtol=1e-6)
+        assert row["K_d_kN_mm"] < 0.5 * row["K_1_kN_mm"]
+        yields = row["Q_d_kN"] + row["K_d_kN_mm"] * row["D_y_mm"]
+        assert f"{yields:.5g} kN\n" in row["text"]
+        displacement = f"{row['design_displacement_mm']:.1f} mm"
+        assert f"does not yield at its design displacement of {displacement}" in row["text"]
+
+
+def test_rubber_without_a_yield_has_no_loop(still: pd.DataFrame) -> None:
+    columns = ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "D_y_mm"]
+    rows = still[still["bearing"] == HDR]
+    assert rows[columns].isna().all().all()
+    assert (rows["h_eff"] >= 0.0).all()
+    for text in rows["text"]:
+        assert "no yield can be found" in text
+        assert "stiffness before yielding" not in text
+        assert "yield strength  " not in text
 
 
 def two_lines(bearing: str, *, other: str | None = None) -> EarthquakeResult:

@@ -25,6 +25,8 @@ from thermobearing.results.metrics import CycleMeasures, measure_cycle
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
 CYCLE = 3  # the cycle that standards measure
+LEAST_DAMPING = 0.05  # damping ratio of a loop in which a yield can be found; usual while elastic
+SAME_LOOP = 0.01  # of K_eff D and K_eff D^2, by which force and energy of a loop may differ
 SAME_ENERGY = 0.01  # by which the energy of a bilinear loop may differ from that of a cycle
 MOST_STEPS = 5000  # in a quarter of a cycle, which a slow test of a large bearing would exceed
 
@@ -138,6 +140,42 @@ def stated_backbone(
     # A first cycle, virgin rubber and viscous layers have another energy.
     difference = abs(loop.energy(amplitude) - cycle.energy_kN_mm)
     return loop if difference < SAME_ENERGY * cycle.energy_kN_mm else None
+
+
+def find_backbone(
+    bearing: Bearing,
+    cycle: CycleMeasures,
+    amplitude: float,
+    speed: float,
+    temperature: float,
+    lead: float | None = None,
+) -> tuple[BilinearParameters | None, bool]:
+    """Return the bilinear loop of a bearing, None without a yield, and whether it is its own.
+
+    Its own loop (`stated_backbone`) is that of a cycle of an amplitude [mm]; up to yield and
+    somewhat beyond it, that of a cycle at `DESIGN_STRAIN`, where it has the force and energy of
+    the cycle. Other loops are those of `backbone`; in one with less than `LEAST_DAMPING` no yield
+    can be found. Speed, temperature and lead are those of the cycle, see `isothermal_cycle`.
+    """
+    loop = stated_backbone(bearing, cycle, amplitude)
+    size = cycle.stiffness_kN_mm * amplitude
+    if loop is None and bearing.lead is not None:
+        beyond = DESIGN_STRAIN * bearing.total_rubber_thickness
+        same_period = speed * beyond / amplitude
+        larger = isothermal_cycle(
+            bearing, DESIGN_STRAIN, same_period, temperature, cycle=CYCLE, lead=lead
+        )
+        loop = stated_backbone(bearing, larger, beyond)
+        if loop is not None and not (
+            abs(loop.stiffness(amplitude) * amplitude - size) < SAME_LOOP * size
+            and abs(loop.energy(amplitude) - cycle.energy_kN_mm) < SAME_LOOP * size * amplitude
+        ):
+            loop = None
+    if loop is not None:
+        return loop, True
+    if cycle.energy_kN_mm < 2.0 * math.pi * LEAST_DAMPING * size * amplitude:
+        return None, False
+    return backbone(cycle.stiffness_kN_mm, cycle.energy_kN_mm, amplitude, bearing.kind), False
 
 
 def solve_backbone(

@@ -15,7 +15,7 @@ from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
 from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
-from thermobearing.earthquake.properties import bearing_sources, temperature_note
+from thermobearing.earthquake.properties.notes import bearing_sources, temperature_note
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest

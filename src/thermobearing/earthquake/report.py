@@ -32,23 +32,28 @@ from thermobearing.earthquake.panels import (
     part_names,
     select_part,
 )
-from thermobearing.earthquake.properties import (
+from thermobearing.earthquake.properties.bridge import (
+    bridge_properties,
+    damping_factor,
+    hysteretic_ratios,
+    periods_table,
+    structure_devices,
+)
+from thermobearing.earthquake.properties.lines import line_properties
+from thermobearing.earthquake.properties.links import link_text
+from thermobearing.earthquake.properties.notes import (
     FIRST,
     OTHER_DISPLACEMENTS,
     assumed_in_file,
     beyond_note,
-    bridge_properties,
     cycle_note,
-    damping_factor,
+    elastic_note,
     excess_note,
     heated_lead_note,
-    hysteretic_ratios,
     initial_stiffness_note,
+    is_elastic,
     is_extrapolated,
-    line_properties,
-    link_text,
-    periods_table,
-    structure_devices,
+    loop_name,
     temperature_note,
 )
 from thermobearing.earthquake.result import EarthquakeResult
@@ -85,6 +90,7 @@ from thermobearing.results.ranges import MARKED
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
+ELASTIC = "Not all bearings yield"
 HEATED = "Lead is warmer in the runs"
 SHOWN_MODES = 10  # of a report; a file has them all
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
@@ -357,7 +363,15 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     extrapolated = [is_extrapolated(row) for row in lines.to_dict("records")]
     marked = dict.fromkeys([name for name in values[1:] if name != "K_v_kN_mm"], extrapolated)
     options: dict[str, Any] = {"keys": len(keys), "note": note, "keep_keys": True}
-    table = make_table(lines, [*keys, *values], caption, marked=marked, **options)
+    if any(is_elastic(row) for row in lines.to_dict("records")):
+        values.insert(1, "loop")  # without a mark
+    table = make_table(
+        lines.assign(loop=[loop_name(row) for row in lines.to_dict("records")]),
+        [*keys, *values],
+        caption,
+        marked=marked,
+        **options,
+    )
     factor = damping_factor()
     source = (
         "First mode with K_eff of all bearings at their design displacement; damping of the "
@@ -389,6 +403,13 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
 
 def _reservations(lines: "pd.DataFrame") -> list[str]:
     """Return what equivalent properties rest on besides tests of the bearing, as sentences."""
+    rows = lines.to_dict("records")
+    if elastic := [
+        plain(f"{row['line']} ({row['line_bearing']}) at {row['ambient_degC']:g} °C: {text}")
+        for row in rows
+        if (text := elastic_note(row))
+    ]:
+        elastic = [f"{ELASTIC} ({'; '.join(elastic)})."]
     rows = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"]).to_dict("records")
     names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
     sentences = []
@@ -409,7 +430,7 @@ def _reservations(lines: "pd.DataFrame") -> list[str]:
         if chosen
     ]:
         sentences.append(f"Not measured, but assumed, borrowed or chosen: {'; '.join(parts)}.")
-    return [plain(sentence) for sentence in sentences]
+    return elastic + [plain(sentence) for sentence in sentences]
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:

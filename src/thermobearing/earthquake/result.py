@@ -17,7 +17,7 @@ from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import earlier, measures, tables
 from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
-from thermobearing.earthquake.properties import nominal_stiffness
+from thermobearing.earthquake.properties.bridge import nominal_stiffness
 from thermobearing.model.limits import CODE_KEYS
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest

@@ -17,7 +17,7 @@ from thermobearing.core.records import Floats
 from thermobearing.earthquake import measures
 from thermobearing.earthquake.axial import axial_table
 from thermobearing.earthquake.motions import rotation_frame
-from thermobearing.earthquake.properties import periods_table
+from thermobearing.earthquake.properties.bridge import periods_table
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table

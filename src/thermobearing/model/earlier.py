@@ -58,12 +58,21 @@ class BilinearParameters:
         """The force Q_y at the yield displacement [kN]."""
         return self.strength * self.initial / (self.initial - self.post_yield)
 
+    @property
+    def yield_displacement(self) -> float:
+        """The yield displacement u_y = Q_d/(K_1 - K_2) [mm]."""
+        return self.strength / (self.initial - self.post_yield)
+
+    def stiffness(self, amplitude: float) -> float:
+        """Return the effective stiffness at some amplitude [mm], K_1 up to yield [kN/mm]."""
+        return min(self.strength / amplitude + self.post_yield, self.initial)
+
     def energy(self, amplitude: float) -> float:
         """Return the energy of a cycle of some amplitude [mm], 4 Q_d (u - u_y) [kN mm].
 
-        It is zero below the yield displacement u_y = Q_d/(K_1 - K_2).
+        It is zero below the yield displacement u_y.
         """
-        elastic = self.strength / (self.initial - self.post_yield)
+        elastic = self.yield_displacement
         return 4.0 * self.strength * max(amplitude - elastic, 0.0)
 
 

@@ -1,0 +1,187 @@
+"""Effective period and damping of a bridge on its bearings, and its natural periods."""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from thermobearing.border.lazy import pd
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict, validated
+from thermobearing.core.records import Floats
+from thermobearing.quantities.register import Quantity, quantity
+from thermobearing.quantities.tables import Table, make_table
+from thermobearing.results.directory import MODES_FILE
+from thermobearing.structure.connections.model import DeviceTable
+from thermobearing.structure.matrices import find_modes, line_stiffness, total_stiffness
+from thermobearing.structure.model import Structure
+from thermobearing.structure.run import Prepared, prepare_structure
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+
+
+class DampingFactor(Strict):
+    """Content of data/equivalent/damping.toml; `unverified`: its source was not read."""
+
+    reference: Annotated[float, Field(gt=0, lt=1)]
+    exponent: Annotated[float, Field(gt=0, lt=1)]
+    largest: Annotated[float, Field(ge=1)]
+    source: str
+    unverified: bool
+
+    def at(self, ratio: float) -> float:
+        """Return B_L, which divides the displacement of a spectrum of 5 % damping."""
+        return float(min((ratio / self.reference) ** self.exponent, self.largest))
+
+
+def damping_factor() -> DampingFactor:
+    """Return the rule for B_L."""
+    return read_data(DampingFactor, "equivalent", "damping.toml")
+
+
+def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return effective period [s], damping ratio and damping factor B_L, by ambient temperature.
+
+    `lines` are those of `line_properties`. The period is that of the first mode with the effective
+    stiffness of all lines, the ratio that of the bearings,
+
+    xi = sum n E / (2 pi sum n K_eff D^2),
+
+    without the viscous damping of the structure.
+    """
+    prepared = _prepared_structure(result)
+    structure, matrices = prepared.structure, prepared.matrices
+    rows = []
+    for key, group in lines.groupby(["bearing", "ambient_degC"], sort=False):
+        stiffness = dict(zip(group["line"], group["K_eff_kN_mm"], strict=True))
+        # Lines that do not move have no row: they keep the equivalent stiffness of their input.
+        stiffnesses = [
+            stiffness.get(line.name, line.equivalent_stiffness) for line in structure.bearings
+        ]
+        total = total_stiffness(structure, matrices, np.array(stiffnesses))
+        modes = find_modes(matrices.mass, total, structure.name)
+        work = group["count"] * group["K_eff_kN_mm"] * group["design_displacement_mm"] ** 2
+        ratio = float((work * group["h_eff"]).sum() / work.sum())
+        rows.append(
+            dict(zip(("bearing", "ambient_degC"), key, strict=True))
+            | {
+                "effective_period_s": float(2.0 * math.pi / modes.frequencies[0]),
+                "effective_damping_ratio": ratio,
+                "B_L": damping_factor().at(ratio),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _analysed_structure(result: "EarthquakeResult") -> tuple[Structure, dict[str, Any]]:
+    """Return the structure of a result and the table `analysis` of its case."""
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    return validated(Structure, case["structure"], "structure"), case["analysis"]
+
+
+def nominal_stiffness(result: "EarthquakeResult") -> str:
+    """Return the stiffness [kN/mm] of one bearing in the modes of a result, or its range, as text.
+
+    It is what the structure states for its lines, whichever bearing and temperature a run has.
+    """
+    structure, _ = _analysed_structure(result)
+    stiffnesses = [line.equivalent_stiffness for line in structure.bearings]
+    texts = dict.fromkeys(f"{value:.3g}" for value in (min(stiffnesses), max(stiffnesses)))
+    return f"{' to '.join(texts)} kN/mm"
+
+
+def _prepared_structure(result: "EarthquakeResult") -> Prepared:
+    """Return the structure of a result with its matrices and modes, as it was analysed."""
+    structure, analysis = _analysed_structure(result)
+    return prepare_structure(structure, analysis.get("mass", "consistent"), analysis.get("damping"))
+
+
+def hysteretic_ratios(
+    result: "EarthquakeResult", lines: "pd.DataFrame"
+) -> dict[str, NDArray[np.float64]]:
+    """Return the equivalent damping ratios of the bearings in each mode, by bearing.
+
+    xi_i = sum h_eff phi_i^T K_line phi_i / (phi_i^T K phi_i) over the lines of `line_properties` at
+    the warmest temperature, in the modes with equivalent stiffness. None where the modes of a
+    result are those of one direction of a structure in plan.
+    """
+    prepared = _prepared_structure(result)
+    structure, modes = prepared.structure, prepared.modes
+    equivalent = np.array([line.equivalent_stiffness for line in structure.bearings])
+    ratios: dict[str, NDArray[np.float64]] = {}
+    if len(modes.frequencies) != len(np.atleast_1d(result.dataset.attrs["periods_s"])):
+        return ratios
+    warmest = lines[lines["ambient_degC"] == lines["ambient_degC"].max()]
+    for name, group in warmest.groupby("bearing", sort=False):
+        ratio_by_line = dict(zip(group["line"], group["h_eff"], strict=True))
+        line_ratios = np.array([ratio_by_line.get(line.name, 0.0) for line in structure.bearings])
+        lossy = line_stiffness(structure, prepared.matrices, equivalent * line_ratios)
+        # The shapes have unit modal mass, so that phi^T K phi is the squared frequency.
+        shapes = modes.shapes
+        ratios[str(name)] = np.einsum("ni,nm,mi->i", shapes, lossy, shapes) / modes.frequencies**2
+    return ratios
+
+
+def structure_devices(result: "EarthquakeResult") -> Sequence[DeviceTable]:
+    """Return the devices parallel to the bearings of a result."""
+    return _analysed_structure(result)[0].devices or ()
+
+
+def periods_table(
+    result: "EarthquakeResult",
+    hysteretic: Mapping[str, Floats] | None = None,
+    mode_limit: int | None = None,
+) -> tuple[Table, "pd.DataFrame"]:
+    """Return the first modes as a table, and all of them as a frame; empty without a run.
+
+    Their periods and viscous damping ratios are those with the equivalent stiffness that the
+    structure states for its lines, not with K_eff of `line_properties`. `hysteretic` are
+    ratios by bearing (`hysteretic_ratios`), `mode_limit` is how many modes the table has.
+    """
+    attrs = result.dataset.attrs
+    if "periods_s" not in attrs:
+        return make_table(pd.DataFrame()), pd.DataFrame()
+    frame = pd.DataFrame({"period_s": np.atleast_1d(attrs["periods_s"])})
+    frame["damping_ratio"] = np.atleast_1d(attrs["damping_ratios"])
+    frame.insert(0, "mode_number", range(1, len(frame) + 1))
+    period = quantity("period_s", head="Period, entered stiffness", form=".3f")
+    columns: list[str | Quantity] = ["mode_number", period]
+    columns.append(quantity("damping_ratio", head="Viscous damping ratio"))
+    sentences = [
+        "Periods and damping ratios are those with the equivalent stiffness that was entered for "
+        "each bearing line."
+    ]
+    if hysteretic:
+        sentences.append(
+            "The effective period and damping of the bridge, with K_eff of its bearings at their "
+            "design displacement, have their own table. Hysteretic damping of the bearings is "
+            "equivalent, at their design displacement and warmest temperature, by their share in "
+            "the strain energy of the mode; it is not in the viscous ratio."
+        )
+    # With one bearing, or lines with their own on one bridge, the heads name none.
+    labels = result.bearing_labels
+    ends = {name: f", {label}" if len(labels) > 1 else "" for name, label in labels.items()}
+    for name, ratios in (hysteretic or {}).items():
+        frame[f"hysteretic_{name}"] = ratios
+        ratio = quantity("damping_ratio", head=f"Hysteretic damping ratio{ends[name]}")
+        columns.append(replace(ratio, name=f"hysteretic_{name}"))
+    for name in dict.fromkeys(result["bearing"].values.tolist()):
+        frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
+        columns.append(replace(period, name=name, head=f"Initial period{ends[name]}"))
+    sentences.append(
+        "Initial periods use the stiffness of the bearings before yielding, at the temperature of "
+        "the first run."
+    )
+    if mode_limit is not None and len(frame) > mode_limit:
+        sentences.append(f"The first {mode_limit} of {len(frame)} modes; all are in {MODES_FILE}.")
+    caption = "Natural periods and damping" if hysteretic else "Natural periods and viscous damping"
+    if result.directions and not result.in_plan:
+        caption += f" along {result.directions[0]}"
+    shown = frame.head(mode_limit or len(frame))
+    return make_table(shown, columns, caption, note=" ".join(sentences)), frame

@@ -1,0 +1,315 @@
+"""Equivalent linear and bilinear properties of bearing lines, as other programs take them.
+
+The third cycle of a bearing that does not warm, at the design displacement of its line and the
+ambient temperature, gives effective stiffness, damping and the bilinear loop of the same peak force
+and energy. Virgin rubber has its largest force in the first cycle, which gives the upper values.
+"""
+
+import math
+import tomllib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.bearing.exposure import exposed, exposed_bilinear
+from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.sources import (
+    EXTRAPOLATED,
+    VIRGIN_EXCESS,
+    assumed_properties,
+)
+from thermobearing.bearing.state import RubberState, has_excess, in_state, scragging_of
+from thermobearing.border.lazy import pd
+from thermobearing.border.library import data_path
+from thermobearing.border.schema import validated
+from thermobearing.border.toml import read_toml
+from thermobearing.cyclic.equivalent import (
+    CYCLE,
+    find_backbone,
+    isothermal_cycle,
+    solve_backbone,
+)
+from thermobearing.earthquake.case import EarthquakeAnalysis, OnLine, list_bearing_tables
+from thermobearing.earthquake.properties.notes import (
+    FIRST,
+    SCRAGGED,
+    bearing_sources,
+)
+from thermobearing.model.axial import axial_stiffness
+from thermobearing.model.checks import checked_modulus
+from thermobearing.model.earlier import BilinearParameters
+from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+
+ROUNDING = 1e-9  # of K_eff D^2: energy of a loop that is elastic
+HEATED = ("K_eff_heated_kN_mm", "h_eff_heated", "Q_d_heated_kN")  # with the lead of the runs
+STILL = 1e-6  # strain of a line that does not move, whose stiffness is not asked for
+MEAN_RULE = "mean of seven"
+
+
+def motions_for_mean() -> int:
+    """Return from how many motions on the mean of their peaks counts (data/design/peaks.toml)."""
+    rules = read_toml(data_path("design", "peaks.toml"))["rules"]
+    return int(next(rule["least"] for rule in rules if rule["name"] == MEAN_RULE))
+
+
+def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
+    """Return the equivalent properties of one bearing of each line, by ambient temperature.
+
+    The design displacement of a line is the mean of its largest displacements over the motions
+    where there are at least seven, otherwise the largest (data/design/peaks.toml). The
+    test has the mean speed 4 D/T of a cycle with the first period T of the structure. Exposure and
+    state of the rubber are those of the analysis, or of the line where it states its own.
+
+    Returns
+    -------
+    DataFrame
+        One row for each bearing of the analysis, line and ambient temperature: design displacement
+        [mm] and the motion that it is of (`design_displacement_of`), effective stiffness [kN/mm]
+        and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of the bilinear loop with the same peak
+        force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
+        bearing have one K_1/K_d. `D_y_mm` is the yield displacement of the loop [mm], beyond the
+        design displacement of a bearing that does not yield; without a loop in which a yield can be
+        found, it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at the coldest
+        temperature of rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff
+        over that of the third cycle of scragged rubber, `excess` whether the rubber is stiffer
+        while virgin, and `assumed` the keys of the bearing file on which the properties rest and
+        which were not measured; `outside_law_K` is how far the temperature is above (or, negative,
+        below) the range `law` of the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`,
+        `h_eff_heated` and `Q_d_heated_kN` are those with the lead at its highest temperature in the
+        runs, `lead_degC`. `secant_kN_mm` is the largest force over the largest displacement of the
+        run `secant_of` where that is most. Lines that do not move are left out.
+    """
+    case = tomllib.loads(str(result.dataset.attrs["case"]))
+    devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
+    options = validated(EarthquakeAnalysis, case["analysis"], "analysis")
+    states = {
+        str(table["line"]): validated(OnLine, dict(table), "lines").state
+        for table in case.get("lines", [])
+    }
+    period = float(np.atleast_1d(result.dataset.attrs["periods_s"])[0])
+    rows = []
+    lines = _moved_lines(result, case["structure"], devices)
+    for key, group in lines.groupby(["bearing", "line", "ambient_degC"], sort=False):
+        peaks = group["displacement_max_mm"].to_numpy(dtype=float)
+        has_mean = len(peaks) >= motions_for_mean()
+        displacement = float(peaks.mean() if has_mean else peaks.max())
+        governing = str(group["motion"].iloc[place_of_largest(peaks)])
+        source = f"mean of {len(peaks)} motions" if has_mean else f"largest, in {governing}"
+        state = states.get(str(key[1])) or options.state
+        device = _as_run(devices[str(group["line_bearing"].iloc[0])], options, state)
+        coldest = key[2] == lines["ambient_degC"].min()
+        # The secant stiffness of a line that does not move is that of no cycle.
+        if displacement <= STILL * device.total_rubber_thickness:
+            continue
+        temperature = float(group["line_ambient_degC"].iloc[0])
+        labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
+        line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
+        line |= {"design_displacement_of": source}
+        lead = float(group["lead_max_degC"].max())
+        heated = lead if lead > temperature + SLACK_KELVIN else None
+        values = _properties(device, displacement, temperature, period, upper=coldest, lead=heated)
+        rubber = _rubber(device, state)
+        as_in_file = devices[device.name]
+        excess = isinstance(as_in_file, Bearing) and has_excess(as_in_file)
+        law, outside = _beyond_law(device, temperature)
+        assumed = list(_assumed_keys(case, device, temperature))
+        if excess and rubber != SCRAGGED and isinstance(as_in_file, Bearing):
+            assumed += [VIRGIN_EXCESS] * scragging_of(as_in_file)[1]
+        assumed += [EXTRAPOLATED] * (outside != 0.0)
+        origin: dict[str, Any] = {"rubber": rubber, "excess": excess, "assumed": " ".join(assumed)}
+        origin |= {"law": law, "outside_law_K": outside}
+        rows.append(labels | line | values | origin | _largest_secant(group))
+    return _with_one_ratio(pd.DataFrame(rows))
+
+
+def _beyond_law(device: Bearing | BilinearBearing, temperature: float) -> tuple[str, float]:
+    """Return the range of the temperature law in words, and how far a temperature is outside [K].
+
+    Negative below it, zero inside, where no law is stated and for a bilinear bearing.
+    """
+    law = None if isinstance(device, BilinearBearing) else device.temperature_law
+    if law is None or law.range is None:
+        return "", 0.0
+    low, high = law.range
+    beyond = min(temperature - low, 0.0) + max(temperature - high, 0.0)
+    return f"{low:g} to {high:g} degC", beyond if abs(beyond) > SLACK_KELVIN else 0.0
+
+
+def _largest_secant(group: "pd.DataFrame") -> dict[str, Any]:
+    """Return the largest force over the largest displacement of the runs of a line, and its run."""
+    secants = (group["force_max_kN"] / group["displacement_max_mm"]).to_numpy(dtype=float)
+    place = place_of_largest(secants)
+    displacement = float(group["displacement_max_mm"].iloc[place])
+    return {
+        "secant_kN_mm": float(secants[place]),
+        "secant_of": f"{group['motion'].iloc[place]}, {displacement:.0f} mm",
+    }
+
+
+def _rubber(device: Bearing | BilinearBearing, state: RubberState | None) -> str:
+    """Return the state of the rubber of a bearing in words; empty of a bilinear one."""
+    if isinstance(device, BilinearBearing):
+        return ""
+    if device.scragging is None:
+        return SCRAGGED
+    # A file with the table scragging is of virgin rubber where no state is stated.
+    return "virgin" if state is None else state.describe()
+
+
+def _assumed_keys(
+    case: Mapping[str, Any], device: Bearing | BilinearBearing, temperature: float
+) -> tuple[str, ...]:
+    """Return the keys that were not measured of a bearing at a temperature [degC]."""
+    if isinstance(device, BilinearBearing):
+        return ()
+    table = next(t for t in list_bearing_tables(case) if str(t["name"]) == device.name)
+    difference = abs(temperature - device.hysteresis.reference_temperature)
+    return assumed_properties(bearing_sources(case, table), at_reference=difference <= SLACK_KELVIN)
+
+
+def _with_one_ratio(lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return lines of which those with the same bearing have the largest assumed K_1/K_d of them.
+
+    A fat loop needs a larger ratio than that of the kind; lines with other displacements would
+    otherwise have other ratios, and other Q_d and K_d.
+    """
+    if not len(lines):
+        return lines
+    assumed = lines[lines["kind"] != ""]
+    for _, group in assumed.groupby(["bearing", "line_bearing"], sort=False):
+        smallest = float((group["K_d_kN_mm"] / group["K_1_kN_mm"]).min())
+        for index, row in zip(group.index, group.to_dict("records"), strict=True):
+            loop = solve_backbone(
+                row["K_eff_kN_mm"], row["h_eff"], row["design_displacement_mm"], smallest
+            )
+            if loop is not None:
+                change = loop.strength - row["Q_d_kN"]
+                values = [loop.strength, loop.post_yield, loop.initial, loop.yield_displacement]
+                lines.loc[index, ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "D_y_mm"]] = values
+                lines.loc[index, "Q_d_heated_kN"] = row["Q_d_heated_kN"] + change
+    return lines
+
+
+def _device(table: Mapping[str, Any]) -> Bearing | BilinearBearing:
+    """Return a bearing of a resolved case."""
+    name = str(table["name"])
+    if table.get("kind") == "bilinear":
+        return validated(BilinearBearing, dict(table), name)
+    return as_bearing(dict(table), name)
+
+
+def _as_run(
+    device: Bearing | BilinearBearing, options: EarthquakeAnalysis, state: RubberState | None
+) -> Bearing | BilinearBearing:
+    """Return a bearing with the exposure of an analysis and its rubber in a state."""
+    if isinstance(device, BilinearBearing):
+        return exposed_bilinear(device, options.exposure)
+    return in_state(exposed(device, options.exposure), state)
+
+
+def _moved_lines(
+    result: "EarthquakeResult",
+    structure: Mapping[str, Any],
+    devices: Mapping[str, Bearing | BilinearBearing],
+) -> "pd.DataFrame":
+    """Return the lines of completed runs; of one line, the table of runs with its count."""
+    table = result.table
+    completed = table["outcome"] == "completed"
+    lines = result.lines
+    if len(lines):
+        return lines[np.repeat(completed.to_numpy(), len(lines) // result.runs)]
+    # A structure with one line and one pier has no table of lines; peaks are those of its line.
+    line = structure["bearings"][0]
+    lead = [result.hottest(run)["lead"] for run in range(result.runs)]
+    table = table.assign(lead_max_degC=lead)[completed]
+    strain = table["bearing_strain_max"].to_numpy(dtype=float)
+    thickness = np.array([devices[name].total_rubber_thickness for name in table["bearing"]])
+    return table[["bearing", "motion", "ambient_degC", "lead_max_degC"]].assign(
+        force_max_kN=table["bearing_force_max_kN"],
+        line=line["name"],
+        line_bearing=table["bearing"],
+        count=int(line["count"]),
+        line_ambient_degC=table["ambient_degC"],
+        displacement_max_mm=strain * thickness,
+    )
+
+
+def _properties(
+    device: Bearing | BilinearBearing,
+    displacement: float,
+    temperature: float,
+    period: float,
+    *,
+    upper: bool,
+    lead: float | None,
+) -> dict[str, float | str]:
+    """Return the equivalent properties of a bearing at a displacement [mm] and temperature.
+
+    Upper values of rubber that is stiffer while virgin are those of the first cycle. `lead` is the
+    temperature of the lead in the runs, where it warms [degC].
+    """
+    kind, cycle_number, over_scragged = "", CYCLE, 1.0
+    loop: BilinearParameters | None
+    heated: dict[str, float] = dict.fromkeys(HEATED, math.nan)
+    if isinstance(device, BilinearBearing):
+        loop = BilinearParameters(
+            device.strength, device.post_yield_stiffness, device.initial_stiffness
+        )
+        stiffness, energy = loop.stiffness(displacement), loop.energy(displacement)
+        vertical = math.nan
+    else:
+        strain = displacement / device.total_rubber_thickness
+        speed = 4.0 * displacement / period  # a cycle covers four times its amplitude
+        if upper and device.scragging is not None and has_excess(device):
+            cycle_number = FIRST
+        cycle = isothermal_cycle(device, strain, speed, temperature, cycle_number)
+        stiffness, energy = cycle.stiffness_kN_mm, cycle.energy_kN_mm
+        loop, is_stated = find_backbone(device, cycle, displacement, speed, temperature)
+        kind = "" if is_stated or loop is None else device.kind
+        if device.scragging is not None:
+            scragged = in_state(device, RubberState(rubber="tested"))
+            if cycle_number != CYCLE or scragged != device:
+                third = isothermal_cycle(scragged, strain, speed, temperature)
+                over_scragged = stiffness / third.stiffness_kN_mm
+        if lead is not None:
+            with_lead = isothermal_cycle(device, strain, speed, temperature, cycle_number, lead)
+            warm, is_stated = find_backbone(
+                device, with_lead, displacement, speed, temperature, lead
+            )
+            fall = (stiffness - with_lead.stiffness_kN_mm) * displacement
+            # Where the loop is not the bearing's own, warm lead takes its force from Q_d alone.
+            strength = loop.strength - fall if loop else math.nan
+            if is_stated and warm:
+                strength = warm.strength
+            ratio = _damping_ratio(with_lead.energy_kN_mm, with_lead.stiffness_kN_mm, displacement)
+            values = with_lead.stiffness_kN_mm, ratio, strength
+            heated = dict(zip(HEATED, values, strict=True))
+        modulus = checked_modulus(device, temperature)
+        vertical = axial_stiffness(device.geometry, modulus, device.lead)
+    return {
+        "design_displacement_mm": displacement,
+        "K_eff_kN_mm": stiffness,
+        "h_eff": _damping_ratio(energy, stiffness, displacement),
+        "Q_d_kN": loop.strength if loop else math.nan,
+        "K_d_kN_mm": loop.post_yield if loop else math.nan,
+        "K_1_kN_mm": loop.initial if loop else math.nan,
+        "D_y_mm": loop.yield_displacement if loop else math.nan,
+        "K_v_kN_mm": vertical,
+        "kind": kind,
+        "cycle": cycle_number,
+        "over_scragged": over_scragged,
+        "lead_degC": math.nan if lead is None else lead,
+        **heated,
+    }
+
+
+def _damping_ratio(energy: float, stiffness: float, displacement: float) -> float:
+    """Return the damping ratio of a loop; exactly zero where its energy is one of rounding."""
+    scale = stiffness * displacement**2
+    return energy / (2.0 * math.pi * scale) if abs(energy) > ROUNDING * scale else 0.0

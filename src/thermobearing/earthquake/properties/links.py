@@ -1,0 +1,143 @@
+"""Equivalent properties of bearing lines as link elements of other programs take them."""
+
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from thermobearing.bearing.sources import (
+    COEFFICIENTS,
+    STIFFNESS,
+)
+from thermobearing.border.lazy import pd
+from thermobearing.earthquake.properties.notes import (
+    KILO,
+    OTHER_DISPLACEMENTS,
+    SCRAGGED,
+    assumed_in_file,
+    beyond_note,
+    cycle_note,
+    elastic_note,
+    excess_note,
+    heated_lead_note,
+    initial_stiffness_note,
+    is_extrapolated,
+    secant_note,
+)
+from thermobearing.model.earlier import BilinearParameters
+from thermobearing.quantities.words import joined
+from thermobearing.structure.connections.model import DeviceTable
+
+if TYPE_CHECKING:
+    pass
+
+LINK_WIDTH = 79  # letters of a line of links.txt
+LINK_NOTES = (
+    OTHER_DISPLACEMENTS,
+    "The effective damping is the coefficient of a dashpot, C = h K_eff T_eff/pi, with the "
+    "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
+    "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
+    "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured, or on a "
+    "temperature outside the tests of the rubber.",
+)
+DEVICES_NOTE = (
+    "Devices parallel to bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
+    "of SAP2000 and CSiBridge (F = C |v|^alpha, rigid brace). Slider: link Friction Isolator "
+    "without radius. Gap: links Gap and Hook, which lose nothing in an impact. Their damping is "
+    "not in the effective damping above, and other programs do not know the temperature of the "
+    "oil: enter C times its factor."
+)
+VIRGIN_NOTE = (
+    "Rubber of {names} is scragged here. Virgin rubber is stiffer, most in its first cycle: for "
+    "upper values that count on it, run the analysis with --state virgin."
+)
+LOWER_NOTE = (
+    "Rubber of {names} is not scragged here. Take lower values from an analysis of scragged rubber "
+    "(--state tested)."
+)
+
+
+def link_text(
+    lines: "pd.DataFrame", bridges: "pd.DataFrame", devices: Sequence[DeviceTable] = ()
+) -> str:
+    """Return the properties as link elements of other programs take them, in kN and m.
+
+    SAP2000 and CSiBridge: link of type "Rubber Isolator", directions U2 and U3; midas Civil:
+    general link of type "Lead Rubber Bearing Isolator", directions y and z. The yield strength is
+    Q_d K_1/(K_1 - K_d), the effective damping h_eff K_eff T_eff/pi with the effective period of the
+    bridge. `bridges` are those of `bridge_properties`, `devices` those of the structure, parallel
+    to its bearings.
+    """
+    text = [
+        "Properties of one bearing in kN and m, at its design displacement and temperature.",
+        "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
+        "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
+        "All without heating: a bearing that warms in an earthquake is softer.",
+    ]
+    for note in (*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)):
+        text += textwrap.wrap(note, LINK_WIDTH)
+    periods = bridges.set_index(["bearing", "ambient_degC"])["effective_period_s"]
+    for row in lines.to_dict("records"):
+        period = float(periods.loc[row["bearing"], row["ambient_degC"]])
+        text.append(
+            f"\n{row['line']}: {row['count']} bearings {row['line_bearing']} at "
+            f"{row['ambient_degC']:g} degC"
+        )
+        upper = row["ambient_degC"] == lines["ambient_degC"].min()
+        keys = ", ".join(assumed_in_file(row))
+        assumed = f"assumed in the bearing file: {keys}" if keys else ""
+        phrases = [elastic_note(row), cycle_note(row), assumed, beyond_note(row), excess_note(row)]
+        phrases += [heated_lead_note(row), secant_note(row) if upper else ""]
+        for phrase in phrases:
+            text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
+        text += [
+            _link_row(name, value, unit)
+            for name, value, unit in _link_values(row, period)
+            # The vertical stiffness of a bilinear bearing, the loop of one without a yield.
+            if not math.isnan(value)
+        ]
+    if devices:
+        text += ["", *textwrap.wrap(DEVICES_NOTE, LINK_WIDTH)]
+    for device in devices:
+        text += [f"\n{device.title()}", *(_link_row(*constant) for constant in device.constants())]
+    return "\n".join(text) + "\n"
+
+
+def _link_row(name: str, value: float, unit: str) -> str:
+    return f"  {name:37}{value:12.5g} {unit}".rstrip()
+
+
+def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float, str]]:
+    """Return name, value and unit of each property; `period` is that of the bridge [s]."""
+    loop = BilinearParameters(row["Q_d_kN"], row["K_d_kN_mm"], row["K_1_kN_mm"])
+    keys = row["assumed"].split()
+    # Yield stress changes neither K_1 nor K_d; the bearing's own K_1/K_d is that of its kind.
+    measured = not any(key in (*STIFFNESS, *COEFFICIENTS) for key in keys)
+    stiff = not measured or is_extrapolated(row)
+    of_any, of_ratio = (" (assumed)" * bool(flag) for flag in (keys, stiff or row["kind"]))
+    # That of scragged rubber, in the cold at the reference temperature.
+    of_vertical = " (assumed)" * (not measured or row["outside_law_K"] > 0.0)
+    effective = KILO * row["K_eff_kN_mm"]
+    damping = row["h_eff"] * effective * period / math.pi
+    displacement = row["design_displacement_mm"] / KILO
+    return [
+        ("design displacement", displacement, f"m ({row['design_displacement_of']})"),
+        (f"effective stiffness{of_any}", effective, "kN/m"),
+        (f"effective damping ratio{of_any}", row["h_eff"], ""),
+        (f"effective damping{of_any}", damping, f"kN s/m (T_eff {period:.4g} s)"),
+        (f"stiffness before yielding{of_ratio}", KILO * row["K_1_kN_mm"], "kN/m"),
+        (f"yield strength{of_any}", loop.yield_force, "kN"),
+        (f"post-yield stiffness ratio{of_ratio}", row["K_d_kN_mm"] / row["K_1_kN_mm"], ""),
+        (f"vertical stiffness{of_vertical}", KILO * row["K_v_kN_mm"], "kN/m"),
+    ]
+
+
+def _state_notes(lines: "pd.DataFrame") -> list[str]:
+    """Return sentences on rubber that is stiffer while virgin, and on lower values of it."""
+    excess, scragged = lines["excess"].astype(bool), lines["rubber"] == SCRAGGED
+    stiffer, virgin = excess & scragged, excess & ~scragged
+    return [
+        note.format(names=joined(list(dict.fromkeys(lines.loc[chosen, "line_bearing"])), "and"))
+        for note, chosen in ((VIRGIN_NOTE, stiffer), (LOWER_NOTE, virgin))
+        if chosen.any()
+    ]

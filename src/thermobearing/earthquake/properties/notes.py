@@ -1,0 +1,171 @@
+"""Notes on equivalent properties of bearing lines: what they rest on, in words."""
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from thermobearing.bearing.library import BEARINGS
+from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.sources import (
+    COEFFICIENTS,
+    EXTRAPOLATED,
+    VIRGIN_EXCESS,
+    assumed_clause,
+)
+from thermobearing.border.lazy import pd
+from thermobearing.cyclic.equivalent import (
+    post_yield_ratio,
+)
+from thermobearing.earthquake.case import list_bearing_tables
+from thermobearing.quantities.words import joined
+
+if TYPE_CHECKING:
+    pass
+
+RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
+RUN_SLACK = 1.005  # a run is as stiff as a link within half a percent
+TEMPERATURE_NOTE = (
+    "Effects of temperature rest on coefficients m_T and n_T that were not measured on the rubber: "
+    "{phrases}. Compare them with factors of the maker or of a code (thermobearing lambda)."
+)
+SCRAGGED = "scragged"
+FIRST = 1  # the cycle in which virgin rubber is stiffest
+KILO = 1e3  # mm in a metre
+OTHER_DISPLACEMENTS = (
+    "K_eff and damping also depend on the design displacement, which differs between temperatures: "
+    "their ratio is not that of one loop at two temperatures."
+)
+
+
+def bearing_sources(case: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, str]:
+    """Return the sources of a bearing of a resolved case, by dotted key."""
+    stated = case.get("sources", {}).get(str(table["name"]), {})
+    return BEARINGS.sources(Bearing, table) | dict(stated)
+
+
+def temperature_note(case: Mapping[str, Any]) -> str:
+    """Return which temperature coefficients of a case were not measured, and what to do about it.
+
+    Empty where those of all bearings were.
+    """
+    phrases = []
+    for table in list_bearing_tables(case):
+        sources = bearing_sources(case, table)
+        clauses = dict.fromkeys(assumed_clause(sources.get(key, "")) for key in COEFFICIENTS)
+        if origins := [clause for clause in clauses if clause]:
+            phrases.append(f"of {table['name']} {joined(origins)}")
+    return TEMPERATURE_NOTE.format(phrases=joined(phrases)) if phrases else ""
+
+
+def initial_stiffness_note(lines: "pd.DataFrame") -> str:
+    """Return which K_1/K_d is assumed, with its source and where a fat loop needs more of it."""
+    kinds = dict.fromkeys(kind for kind in lines["kind"] if kind)
+    if not kinds:
+        return ""
+    ratios = [f"{1.0 / post_yield_ratio(kind).K_2_over_K_1:.3g} ({kind})" for kind in kinds]
+    sources = dict.fromkeys(post_yield_ratio(kind).source for kind in kinds)
+    star = "*" if any(post_yield_ratio(kind).unverified for kind in kinds) else ""
+    larger = dict.fromkeys(
+        f"{row['line_bearing']}: {row['K_1_kN_mm'] / row['K_d_kN_mm']:.3g}"
+        for row in lines.to_dict("records")
+        if row["kind"]
+        and row["K_1_kN_mm"] / row["K_d_kN_mm"]
+        > RATIO_SLACK / post_yield_ratio(row["kind"]).K_2_over_K_1
+    )
+    text = (
+        f"K_1 is assumed{star} where the loop of a bearing is not bilinear: K_1/K_d = "
+        f"{joined(ratios, 'and')}, {'; '.join(sources)}"
+    )
+    if larger:
+        text += (
+            ". A loop with more damping than a bilinear one of this ratio can have needs a larger "
+            f"ratio ({'; '.join(larger)})"
+        )
+    return f"{text}. *: not checked against the published text." if star else f"{text}."
+
+
+def cycle_note(row: Mapping[Any, Any]) -> str:
+    """Return the cycle and the state of the rubber that a line stands for; empty if bilinear."""
+    if not row["rubber"]:
+        return ""
+    cycle = "first" if row["cycle"] == FIRST else "third"
+    text = f"{cycle} cycle without heating, {row['rubber']} rubber"
+    if row["rubber"] == SCRAGGED:
+        return text
+    factor = f"{row['over_scragged']:.2f}"
+    return f"{text}: effective stiffness {factor} times that of the third cycle, scragged rubber"
+
+
+def is_elastic(row: Mapping[Any, Any]) -> bool:
+    """Return whether a bearing does not yield at its design displacement, or has no yield."""
+    return not row["design_displacement_mm"] > row["D_y_mm"]
+
+
+def loop_name(row: Mapping[Any, Any]) -> str:
+    """Return whether the loop of a line yields, in a word or two for a table."""
+    if not is_elastic(row):
+        return "yields"
+    return "no yield found" if math.isnan(row["D_y_mm"]) else "does not yield"
+
+
+def elastic_note(row: Mapping[Any, Any]) -> str:
+    """Return that a bearing does not yield at its design displacement; empty where it does."""
+    if not is_elastic(row):
+        return ""
+    displacement = f"at its design displacement of {row['design_displacement_mm']:.1f} mm"
+    if math.isnan(row["D_y_mm"]):
+        return (
+            f"no yield can be found {displacement}, where the damping ratio is "
+            f"{100.0 * row['h_eff']:.1f} %: no K_1, no K_d and no yield strength are given"
+        )
+    return (
+        f"does not yield {displacement}, below the yield displacement of {row['D_y_mm']:.1f} mm: "
+        "K_1, K_d and Q_d are those of its loop beyond yield"
+    )
+
+
+def heated_lead_note(row: Mapping[Any, Any]) -> str:
+    """Return Q_d with the lead as warm as in the runs; empty where the lead did not warm."""
+    if math.isnan(row["lead_degC"]):
+        return ""
+    return (
+        f"Q_d {row['Q_d_heated_kN']:.1f} instead of {row['Q_d_kN']:.1f} kN with the lead at "
+        f"{row['lead_degC']:.1f} degC, its highest temperature in the runs"
+    )
+
+
+def beyond_note(row: Mapping[Any, Any]) -> str:
+    """Return by how much the temperature of a line is outside the law of its rubber; else empty."""
+    beyond = float(row["outside_law_K"])
+    if beyond == 0.0:
+        return ""
+    side = "below" if beyond < 0.0 else "above"
+    return f"ambient {abs(beyond):.3g} K {side} the temperature law of the rubber, {row['law']}"
+
+
+def excess_note(row: Mapping[Any, Any]) -> str:
+    """Return that the excess stiffness of rubber is that of another compound; else empty."""
+    if VIRGIN_EXCESS not in row["assumed"].split():
+        return ""
+    return f"excess stiffness of {row['rubber']} rubber assumed, from a test of another compound"
+
+
+def is_extrapolated(row: Mapping[Any, Any]) -> bool:
+    """Return whether temperature or state of the rubber of a line are outside its tests."""
+    return bool(beyond_note(row) or excess_note(row))
+
+
+def secant_note(row: Mapping[Any, Any]) -> str:
+    """Return that a run has a larger stiffness than the effective one; empty where none has."""
+    if row["secant_kN_mm"] <= RUN_SLACK * row["K_eff_kN_mm"]:
+        return ""
+    return (
+        f"the effective stiffness is below the {KILO * row['secant_kN_mm']:.5g} kN/m of a run, its "
+        f"largest force over its largest displacement ({row['secant_of']}): it is that at the "
+        "design displacement"
+    )
+
+
+def assumed_in_file(row: Mapping[Any, Any]) -> list[str]:
+    """Return the keys of the bearing file whose numbers a line rests on and were not measured."""
+    return [key for key in row["assumed"].split() if key not in (EXTRAPOLATED, VIRGIN_EXCESS)]
