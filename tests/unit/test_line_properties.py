@@ -276,16 +276,43 @@ def test_the_bridge_has_the_ratio_of_its_lines_and_a_longer_period_when_warm(
 ) -> None:
     lines = line_properties(pier)
     bridges = bridge_properties(pier, lines).set_index(["bearing", "ambient_degC"])
+    case = tomllib.loads(pier.dataset.attrs["case"])
+    structure = validated(Structure, case["structure"], "structure")
+    matrices = build_matrices(structure, "consistent")
+    rigid = matrices.springs + hinge_stiffness(structure, matrices)
     for row in lines.to_dict("records"):
         whole = bridges.loc[(row["bearing"], row["ambient_degC"])]
-        assert_allclose(whole["effective_damping_ratio"], row["h_eff"])
-        assert_allclose(whole["B_L"], min((row["h_eff"] / 0.05) ** 0.3, 1.7))
+        assert_allclose(whole["bearing_damping_ratio"], row["h_eff"])
+        each = np.array([row["K_eff_kN_mm"]])
+        modes = find_modes(matrices.mass, rigid + line_stiffness(structure, matrices, each))
+        shape = modes.shapes[:, 0]
+        others = shape @ rigid @ shape / modes.frequencies[0] ** 2
+        assert_allclose(whole["effective_damping_ratio"], row["h_eff"] * (1.0 - others))
+        assert others > 0.1
+        assert_allclose(whole["B_L"], min((whole["effective_damping_ratio"] / 0.05) ** 0.3, 1.7))
     warm, cold = (bridges.loc[(HDR, t)]["effective_period_s"] for t in (23.0, -20.0))
     assert warm > cold
     # The deck alone on its bearings moves faster than with the flexible pier below them.
     stiffness = 5.0 * lines[lines["bearing"] == HDR]["K_eff_kN_mm"].to_numpy(dtype=float)
     deck = 2.0 * math.pi / np.sqrt(stiffness / mass_of_deck(pier))
     assert np.all(np.array([warm, cold]) > deck)
+
+
+def test_light_piers_lower_the_damping_as_their_displacement_does() -> None:
+    """xi = sum n E/(2 pi sum F (D + D_sub)), with F = n K_eff D and D_sub = F/k of each pier."""
+    table = two_piers()
+    table["masses"] = [table["masses"][0], *(m | {"mass": "1 t"} for m in table["masses"][1:])]
+    structure = validated(Structure, table, "test")
+    result = tb.bridge(HDR, "jra-ii-i-1", [23.0], duration=10, structure=structure)
+    lines = line_properties(result)
+    pier_stiffness = np.array([400.0, 30.0])  # [kN/mm] at the lines, 10 m above the feet
+    force = (lines["count"] * lines["K_eff_kN_mm"] * lines["design_displacement_mm"]).to_numpy()
+    moved = lines["design_displacement_mm"].to_numpy()
+    energy = (lines["h_eff"] * force * moved).sum()
+    expected = energy / (force * (moved + force / pier_stiffness)).sum()
+    (bridge,) = bridge_properties(result, lines).to_dict("records")
+    assert expected < 0.97 * bridge["bearing_damping_ratio"]
+    assert_allclose(bridge["effective_damping_ratio"], expected, rtol=0.01)
 
 
 def test_modes_have_the_damping_of_the_bearings_by_their_strain_energy(
@@ -309,6 +336,22 @@ def test_modes_have_the_damping_of_the_bearings_by_their_strain_energy(
     assert (len(table.rows), len(frame)) == (3, 4)
     assert_allclose(frame[f"hysteretic_{HDR}"], found[HDR])
     assert 0.3 * warm[HDR] < found[HDR][0] < 0.4 * warm[HDR]  # the foundation has the most
+
+
+def test_both_initial_stiffnesses_have_their_number_beside_them(pier: EarthquakeResult) -> None:
+    """K_0 of the model gives the initial periods; K_1 of the loop of rubber is another."""
+    lines = line_properties(pier)
+    bearing, warm = tb.load_bearing(HDR), lines["ambient_degC"] == 23.0
+    row = lines[(lines["bearing"] == HDR) & warm].iloc[0]
+    hysteresis = bearing.hysteresis
+    assert_allclose(row["K_0_kN_mm"], hysteresis.layer_stiffness / bearing.geometry.rubber_layers)
+    assert row["K_1_kN_mm"] > 1.5 * row["K_0_kN_mm"]
+    bilinear = lines[lines["bearing"] == BILINEAR]
+    assert_allclose(bilinear["K_0_kN_mm"], bilinear["K_1_kN_mm"])
+    numbers = [f"{row[name]:.2f}" for name in ("K_1_kN_mm", "K_0_kN_mm")]
+    table, _ = periods_table(pier, lines=lines)
+    for text in (_links(pier, lines), initial_stiffness_note(lines), table.note):
+        assert all(number in text for number in numbers)
 
 
 def test_a_report_shows_ten_modes_and_writes_all(pier: EarthquakeResult) -> None:

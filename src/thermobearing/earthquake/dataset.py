@@ -47,7 +47,7 @@ from thermobearing.model.checks import (
 )
 from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
-from thermobearing.model.element import BearingElement
+from thermobearing.model.element import initial_stiffness
 from thermobearing.model.options import BearingModel
 from thermobearing.model.outcomes import (
     ALL_SENTENCES,
@@ -655,15 +655,12 @@ def _mode_attributes(tasks: Sequence["Task"]) -> dict[str, Any]:
 def _initial_periods(task: "Task") -> Floats:
     """Return periods with the initial stiffness of the bearings at the start."""
     matrices, structure = task.prepared.matrices, task.case.structure
-    displacement = 1e-6  # [mm], so small that no bearing yields
     line_stiffnesses = np.zeros(len(task.lines))
     for b, (installed, line) in enumerate(zip(task.lines, structure.bearings, strict=True)):
-        element = BearingElement.from_constants(
-            installed.device.constants, initial=installed.temperature
-        )
-        force = element.set_trial(displacement, displacement, installed.ambient).force
+        constants = installed.device.constants
+        stiffness_at_rest = initial_stiffness(constants, installed.temperature, installed.ambient)
         # A specimen at a scale s has s^2 of the force at s of the displacement: s of the stiffness.
-        line_stiffnesses[b] = force / displacement / line.scale
+        line_stiffnesses[b] = stiffness_at_rest / line.scale
     stiffness = total_stiffness(structure, matrices, line_stiffnesses)
     return find_modes(matrices.mass, stiffness).periods
 

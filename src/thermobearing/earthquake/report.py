@@ -90,6 +90,7 @@ from thermobearing.results.ranges import MARKED
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
+DAMPING_RATIOS = ("bearing_damping_ratio", "effective_damping_ratio")
 ELASTIC = "Not all bearings yield"
 HEATED = "Lead is warmer in the runs"
 SHOWN_MODES = 10  # of a report; a file has them all
@@ -351,7 +352,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         if row["cycle"] == FIRST
     ]:
         note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
-    note = " ".join([note, initial_stiffness_note(lines), *_reservations(lines)])
+    note = " ".join([note, plain(initial_stiffness_note(lines)), *_reservations(lines)])
     several = lines["bearing"].nunique() > 1
     keys = ["bearing", "line"] if several else ["line"]
     if (lines["line_bearing"] != lines["bearing"]).any():
@@ -374,8 +375,9 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     )
     factor = damping_factor()
     source = (
-        "First mode with K_eff of all bearings at their design displacement; damping of the "
-        "bearings only. "
+        "First mode with K_eff of all bearings at their design displacement. The effective damping "
+        "is that of the bearings times their share in the strain energy of this mode: elastic "
+        "piers and foundations store the rest. Damping of the structure is not in it. "
     )
     source += f"B_L{'*' if factor.unverified else ''}: {factor.source}."
     if factor.unverified:
@@ -383,7 +385,7 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
     bridge_keys = ["bearing", "ambient_degC"] if several else ["ambient_degC"]
     bridge_table = make_table(
         bridges,
-        [*bridge_keys, "effective_period_s", "effective_damping_ratio", "B_L"],
+        [*bridge_keys, "effective_period_s", *DAMPING_RATIOS, "B_L"],
         "Effective period and damping of the bridge",
         keys=len(bridge_keys),
         note=source,
@@ -395,7 +397,9 @@ def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, b
         LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
     }
     tables = {"properties": table.merged("line"), "bridge_properties": bridge_table}
-    periods, frame = periods_table(result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES)
+    periods, frame = periods_table(
+        result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES, lines=lines
+    )
     if len(frame) > SHOWN_MODES:
         files[MODES_FILE] = frame.to_csv(index=False).encode()
     return tables | {"periods": periods}, files

@@ -551,3 +551,24 @@ def _of_cells(key: str, temperature: Any, cells: int) -> NDArray[np.float64]:
     for value in (temperatures.min(), temperatures.max()):
         check_temperature(float(value), key)
     return np.full(cells, temperatures)
+
+
+def initial_stiffness(constants: Constants, temperature: float | Floats, ambient: float) -> float:
+    """Return the stiffness K_0 of a bearing at rest, its tangent without displacement [kN/mm].
+
+    Parameters
+    ----------
+    constants : those of the coupled step.
+    temperature : of the bearing, or of each of its cells [degC].
+    ambient : ambient temperature [degC].
+
+    Examples
+    --------
+    >>> from thermobearing.model.earlier import BilinearParameters, bilinear_constants
+    >>> constants = bilinear_constants(BilinearParameters(5, 1, 9))
+    >>> round(initial_stiffness(constants, 20.0, 20.0), 6)
+    9.0
+    """
+    displacement = 1e-6  # [mm], so small that no bearing yields; as long a step, at 1 mm/s
+    element = BearingElement.from_constants(constants, initial=temperature)
+    return element.set_trial(displacement, displacement, ambient).force / displacement

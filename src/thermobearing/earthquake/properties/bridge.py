@@ -49,11 +49,13 @@ def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.
     """Return effective period [s], damping ratio and damping factor B_L, by ambient temperature.
 
     `lines` are those of `line_properties`. The period is that of the first mode with the effective
-    stiffness of all lines, the ratio that of the bearings,
+    stiffness of all lines, the ratio that of the bearings (`bearing_damping_ratio`) times their
+    share in the strain energy of this mode,
 
-    xi = sum n E / (2 pi sum n K_eff D^2),
+    xi = sum n E / (2 pi sum n K_eff D^2) phi^T K_lines phi / (phi^T K phi),
 
-    without the viscous damping of the structure.
+    with elastic piers and foundations, whose flexibility lowers the ratio as it lengthens the
+    period. The viscous damping of the structure is not in it.
     """
     prepared = _prepared_structure(result)
     structure, matrices = prepared.structure, prepared.matrices
@@ -67,11 +69,19 @@ def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.
         total = total_stiffness(structure, matrices, np.array(stiffnesses))
         modes = find_modes(matrices.mass, total, structure.name)
         work = group["count"] * group["K_eff_kN_mm"] * group["design_displacement_mm"] ** 2
-        ratio = float((work * group["h_eff"]).sum() / work.sum())
+        bearing_ratio = float((work * group["h_eff"]).sum() / work.sum())
+        # Weights (p_delta) store no strain energy.
+        mode = modes.shapes[:, 0]
+        share = float(
+            (mode @ line_stiffness(structure, matrices, np.array(stiffnesses)) @ mode)
+            / (mode @ (total - matrices.geometric) @ mode)
+        )
+        ratio = bearing_ratio * share
         rows.append(
             dict(zip(("bearing", "ambient_degC"), key, strict=True))
             | {
                 "effective_period_s": float(2.0 * math.pi / modes.frequencies[0]),
+                "bearing_damping_ratio": bearing_ratio,
                 "effective_damping_ratio": ratio,
                 "B_L": damping_factor().at(ratio),
             }
@@ -137,12 +147,14 @@ def periods_table(
     result: "EarthquakeResult",
     hysteretic: Mapping[str, Floats] | None = None,
     mode_limit: int | None = None,
+    lines: "pd.DataFrame | None" = None,
 ) -> tuple[Table, "pd.DataFrame"]:
     """Return the first modes as a table, and all of them as a frame; empty without a run.
 
     Their periods and viscous damping ratios are those with the equivalent stiffness that the
     structure states for its lines, not with K_eff of `line_properties`. `hysteretic` are
-    ratios by bearing (`hysteretic_ratios`), `mode_limit` is how many modes the table has.
+    ratios by bearing (`hysteretic_ratios`), `mode_limit` is how many modes the table has. The note
+    states K_0 of `lines`, those of `line_properties`.
     """
     attrs = result.dataset.attrs
     if "periods_s" not in attrs:
@@ -173,10 +185,11 @@ def periods_table(
         columns.append(replace(ratio, name=f"hysteretic_{name}"))
     for name in dict.fromkeys(result["bearing"].values.tolist()):
         frame[name] = np.atleast_1d(attrs[f"initial_periods_s:{name}"])
-        columns.append(replace(period, name=name, head=f"Initial period{ends[name]}"))
+        columns.append(replace(period, name=name, head=f"Initial period, K_0{ends[name]}"))
     sentences.append(
-        "Initial periods use the stiffness of the bearings before yielding, at the temperature of "
-        "the first run."
+        "Initial periods are those with the initial stiffness K_0 of the model of each bearing, "
+        "its tangent without displacement, at the temperature of the first run"
+        f"{_initial_numbers(lines)}."
     )
     if mode_limit is not None and len(frame) > mode_limit:
         sentences.append(f"The first {mode_limit} of {len(frame)} modes; all are in {MODES_FILE}.")
@@ -185,3 +198,16 @@ def periods_table(
         caption += f" along {result.directions[0]}"
     shown = frame.head(mode_limit or len(frame))
     return make_table(shown, columns, caption, note=" ".join(sentences)), frame
+
+
+def _initial_numbers(lines: "pd.DataFrame | None") -> str:
+    """Return K_0 and K_1 of the bearings of lines at the temperature of the first run, in words."""
+    if lines is None or not len(lines):
+        return ""
+    first = lines[lines["ambient_degC"] == lines["ambient_degC"].iloc[0]]
+    numbers = dict.fromkeys(
+        f"{row['line_bearing']}: {row['K_0_kN_mm']:.2f} kN/mm"
+        + (f", K_1 of its loop {row['K_1_kN_mm']:.2f}" if row["kind"] else "")
+        for row in first.to_dict("records")
+    )
+    return f" ({'; '.join(numbers)})"

@@ -41,6 +41,8 @@ from thermobearing.earthquake.properties.notes import (
 from thermobearing.model.axial import axial_stiffness
 from thermobearing.model.checks import checked_modulus
 from thermobearing.model.earlier import BilinearParameters
+from thermobearing.model.element import initial_stiffness
+from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
 
 if TYPE_CHECKING:
@@ -73,14 +75,15 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         [mm] and the motion that it is of (`design_displacement_of`), effective stiffness [kN/mm]
         and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of the bilinear loop with the same peak
         force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
-        bearing have one K_1/K_d. `D_y_mm` is the yield displacement of the loop [mm], beyond the
-        design displacement of a bearing that does not yield; without a loop in which a yield can be
-        found, it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at the coldest
-        temperature of rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff
-        over that of the third cycle of scragged rubber, `excess` whether the rubber is stiffer
-        while virgin, and `assumed` the keys of the bearing file on which the properties rest and
-        which were not measured; `outside_law_K` is how far the temperature is above (or, negative,
-        below) the range `law` of the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`,
+        bearing have one K_1/K_d. `K_0_kN_mm` is the initial stiffness of the model, its tangent
+        without displacement. `D_y_mm` is the yield displacement of the loop [mm], beyond the design
+        displacement of a bearing that does not yield; without a loop in which a yield can be found,
+        it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at the coldest temperature of
+        rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
+        the third cycle of scragged rubber, `excess` whether the rubber is stiffer while virgin, and
+        `assumed` the keys of the bearing file on which the properties rest and which were not
+        measured; `outside_law_K` is how far the temperature is above (or, negative, below) the
+        range `law` of the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`,
         `h_eff_heated` and `Q_d_heated_kN` are those with the lead at its highest temperature in the
         runs, `lead_degC`. `secant_kN_mm` is the largest force over the largest displacement of the
         run `secant_of` where that is most. Lines that do not move are left out.
@@ -262,7 +265,7 @@ def _properties(
             device.strength, device.post_yield_stiffness, device.initial_stiffness
         )
         stiffness, energy = loop.stiffness(displacement), loop.energy(displacement)
-        vertical = math.nan
+        vertical, at_rest = math.nan, device.initial_stiffness
     else:
         strain = displacement / device.total_rubber_thickness
         speed = 4.0 * displacement / period  # a cycle covers four times its amplitude
@@ -290,6 +293,8 @@ def _properties(
             ratio = _damping_ratio(with_lead.energy_kN_mm, with_lead.stiffness_kN_mm, displacement)
             values = with_lead.stiffness_kN_mm, ratio, strength
             heated = dict(zip(HEATED, values, strict=True))
+        constants = build_model(device, ModelOptions()).constants
+        at_rest = initial_stiffness(constants, temperature, temperature)
         modulus = checked_modulus(device, temperature)
         vertical = axial_stiffness(device.geometry, modulus, device.lead)
     return {
@@ -299,6 +304,7 @@ def _properties(
         "Q_d_kN": loop.strength if loop else math.nan,
         "K_d_kN_mm": loop.post_yield if loop else math.nan,
         "K_1_kN_mm": loop.initial if loop else math.nan,
+        "K_0_kN_mm": at_rest,
         "D_y_mm": loop.yield_displacement if loop else math.nan,
         "K_v_kN_mm": vertical,
         "kind": kind,

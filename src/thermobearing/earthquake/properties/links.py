@@ -3,7 +3,7 @@
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from thermobearing.bearing.sources import (
     COEFFICIENTS,
@@ -27,9 +27,6 @@ from thermobearing.earthquake.properties.notes import (
 from thermobearing.model.earlier import BilinearParameters
 from thermobearing.quantities.words import joined
 from thermobearing.structure.connections.model import DeviceTable
-
-if TYPE_CHECKING:
-    pass
 
 LINK_WIDTH = 79  # letters of a line of links.txt
 LINK_NOTES = (

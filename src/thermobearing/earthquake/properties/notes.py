@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing
@@ -18,9 +18,6 @@ from thermobearing.cyclic.equivalent import (
 )
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.quantities.words import joined
-
-if TYPE_CHECKING:
-    pass
 
 RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
 RUN_SLACK = 1.005  # a run is as stiff as a link within half a percent
@@ -81,6 +78,16 @@ def initial_stiffness_note(lines: "pd.DataFrame") -> str:
             ". A loop with more damping than a bilinear one of this ratio can have needs a larger "
             f"ratio ({'; '.join(larger)})"
         )
+    numbers = dict.fromkeys(
+        f"{row['line_bearing']} at {row['ambient_degC']:g} degC: K_1 {row['K_1_kN_mm']:.2f}, K_0 "
+        f"{row['K_0_kN_mm']:.2f} kN/mm"
+        for row in lines.to_dict("records")
+        if row["kind"]
+    )
+    text += (
+        ". This K_1 is not the initial stiffness K_0 of the model, its tangent without "
+        f"displacement ({'; '.join(numbers)})"
+    )
     return f"{text}. *: not checked against the published text." if star else f"{text}."
 
 
