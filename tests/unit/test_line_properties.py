@@ -36,6 +36,7 @@ from thermobearing.earthquake.properties.notes import initial_stiffness_note, te
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.constants import softening_beyond_tests
+from thermobearing.model.earlier import BilinearParameters
 from thermobearing.structure.matrices import (
     build_matrices,
     find_modes,
@@ -504,6 +505,40 @@ def test_lower_values_state_the_strength_of_warm_lead() -> None:
     fall = math.exp(-rates[0] * (row["lead_degC"] - 23.0))
     assert_allclose(row["Q_d_heated_kN"], fall * row["Q_d_kN"], rtol=2e-3)
     assert f"Q_d {row['Q_d_heated_kN']:.1f} instead of" in _links(result, lines)
+
+
+def test_lead_has_a_second_block_when_warm_and_a_note_when_cold() -> None:
+    """LRB at 23 and -20 degC: a link with the lead of the runs, and E_2 below T_0 = 20 degC."""
+    result = tb.bridge("lrb-example", "jra-ii-i-1", [23, -20], duration=25)
+    lines = line_properties(result)
+    warm, cold = lines.to_dict("records")
+    text = _links(result, lines)
+    warm_text, cold_text = text.split("\n\n")[1:3]
+    first, second = warm_text.split("  with the lead at ")
+    assert second.startswith(f"{warm['lead_degC']:.1f} degC")
+    assert "with the lead at 2" not in first
+    assert "\n  with the lead" not in cold_text
+    period = bridge_properties(result, lines)["effective_period_s"].iloc[0]
+    stiffness, strength = warm["K_eff_heated_kN_mm"], warm["Q_d_heated_kN"]
+    ratio = warm["K_d_kN_mm"] / warm["K_1_kN_mm"]
+    loop = BilinearParameters(strength, warm["K_d_kN_mm"], warm["K_1_kN_mm"])
+    displacement = warm["design_displacement_mm"]
+    # The heated link is a bilinear loop too.
+    assert_allclose(loop.stiffness(displacement), stiffness, rtol=1e-3)
+    damping = loop.energy(displacement) / (2.0 * math.pi * stiffness * displacement**2)
+    assert_allclose(warm["h_eff_heated"], damping, rtol=0.01)
+    coefficient = 1e3 * warm["h_eff_heated"] * stiffness * period / math.pi
+    for value in (1e3 * stiffness, coefficient, strength / (1.0 - ratio), ratio):
+        assert re.search(rf" {re.escape(f'{value:.5g}')}( |$)", second, re.MULTILINE)
+    lead = tb.load_bearing("lrb-example").lead
+    assert lead is not None
+    factor = math.exp(lead.softening * (20.0 + 20.0))
+    assert f"Q_d is {factor:.2f} times that with the lead at 20 degC" in " ".join(cold_text.split())
+    assert ("lead.softening" in cold["assumed"], "lead.softening" in warm["assumed"]) == (
+        True,
+        False,
+    )
+    assert "yield strength (assumed)" in cold_text
 
 
 def test_upper_values_below_the_stiffness_of_a_run_say_so(pier: EarthquakeResult) -> None:

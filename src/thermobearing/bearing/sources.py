@@ -17,6 +17,7 @@ COEFFICIENTS = (  # with temperature: m_T and n_T
 STIFFNESS = ("hysteresis.layer_stiffness", "lead.stiffness")
 STRENGTH = ("lead.yield_stress",)
 EXTRAPOLATED = "temperature_law"  # key of a law that a temperature is outside of
+LEAD_EXTRAPOLATED = "lead.softening"  # key of E_2 where lead is colder than in its tests
 VIRGIN_EXCESS = "scragging"  # key of the excess of virgin rubber, if of another compound
 
 

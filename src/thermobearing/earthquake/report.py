@@ -11,7 +11,6 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from thermobearing import reported
-from thermobearing.border.lazy import pd
 from thermobearing.border.schema import validated
 from thermobearing.border.units import with_unit
 from thermobearing.cyclic.report import rig_table
@@ -25,44 +24,24 @@ from thermobearing.earthquake.answer import (
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather, list_bearing_tables
 from thermobearing.earthquake.figures import EarthquakeFigures
-from thermobearing.earthquake.measures import tested_rows, tested_to, with_own_bearing
+from thermobearing.earthquake.measures import tested_rows, tested_to
 from thermobearing.earthquake.motions import given_motions_table
 from thermobearing.earthquake.panels import (
     MOST_COLUMNS,
     part_names,
     select_part,
 )
-from thermobearing.earthquake.properties.bridge import (
-    bridge_properties,
-    damping_factor,
-    hysteretic_ratios,
-    periods_table,
-    structure_devices,
-)
-from thermobearing.earthquake.properties.lines import line_properties
-from thermobearing.earthquake.properties.links import link_text
 from thermobearing.earthquake.properties.notes import (
-    FIRST,
-    OTHER_DISPLACEMENTS,
-    assumed_in_file,
-    beyond_note,
-    cycle_note,
-    elastic_note,
-    excess_note,
-    heated_lead_note,
-    initial_stiffness_note,
-    is_elastic,
-    is_extrapolated,
-    loop_name,
     temperature_note,
 )
+from thermobearing.earthquake.properties.report import property_tables
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import structure_balance
 from thermobearing.model.limits import CODE_KEYS, CodeChecks, Limits
 from thermobearing.model.options import outdoors
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity
-from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import (
     counted,
     degrees,
@@ -85,15 +64,10 @@ from thermobearing.report.pieces import (
     Trace,
 )
 from thermobearing.results import drawing
-from thermobearing.results.directory import HISTORY, LINES, LINKS, MODES_FILE, PIERS, PROPERTIES
-from thermobearing.results.ranges import MARKED
+from thermobearing.results.directory import HISTORY, LINES, PIERS
 from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
-DAMPING_RATIOS = ("bearing_damping_ratio", "effective_damping_ratio")
-ELASTIC = "Not all bearings yield"
-HEATED = "Lead is warmer in the runs"
-SHOWN_MODES = 10  # of a report; a file has them all
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
@@ -307,7 +281,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     case = tomllib.loads(attrs["case"])
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
-    properties, files = _properties(result) if command == "bridge" else ({}, {})
+    properties, files = property_tables(result) if command == "bridge" else ({}, {})
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
@@ -330,111 +304,6 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         assumptions=_assumptions(result, case),
         **content.result_parts(result, str(attrs["case"]), command),
     )
-
-
-def _properties(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, bytes]]:
-    """Return the equivalent properties of lines and bridge as tables, and as files."""
-    lines = line_properties(result)
-    if not len(lines):
-        return {}, {}
-    bridges = bridge_properties(result, lines)
-    caption = "Equivalent properties of one bearing of each line at its design displacement"
-    note = (
-        "Third cycle without heating at the ambient temperature, of the bearing as it was run "
-        "(state of the rubber, exposure): upper values at the coldest, lower values at the "
-        f"warmest. {OTHER_DISPLACEMENTS} Q_d, K_d and K_1 are those of the bilinear loop with the "
-        "same peak force and energy."
-    )
-    states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
-    if notes := [
-        plain(f"{row['line_bearing']} at {row['ambient_degC']:g} °C: {cycle_note(row)}")
-        for row in states.to_dict("records")
-        if row["cycle"] == FIRST
-    ]:
-        note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
-    note = " ".join([note, plain(initial_stiffness_note(lines)), *_reservations(lines)])
-    several = lines["bearing"].nunique() > 1
-    keys = ["bearing", "line"] if several else ["line"]
-    if (lines["line_bearing"] != lines["bearing"]).any():
-        keys.append("line_bearing")
-    keys += ["count", "ambient_degC"]
-    values = ["design_displacement_mm", "K_eff_kN_mm", "h_eff"]
-    values += ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "K_v_kN_mm"]
-    # The vertical stiffness is that of scragged rubber at its reference temperature or warmer.
-    extrapolated = [is_extrapolated(row) for row in lines.to_dict("records")]
-    marked = dict.fromkeys([name for name in values[1:] if name != "K_v_kN_mm"], extrapolated)
-    options: dict[str, Any] = {"keys": len(keys), "note": note, "keep_keys": True}
-    if any(is_elastic(row) for row in lines.to_dict("records")):
-        values.insert(1, "loop")  # without a mark
-    table = make_table(
-        lines.assign(loop=[loop_name(row) for row in lines.to_dict("records")]),
-        [*keys, *values],
-        caption,
-        marked=marked,
-        **options,
-    )
-    factor = damping_factor()
-    source = (
-        "First mode with K_eff of all bearings at their design displacement. The effective damping "
-        "is that of the bearings times their share in the strain energy of this mode: elastic "
-        "piers and foundations store the rest. Damping of the structure is not in it. "
-    )
-    source += f"B_L{'*' if factor.unverified else ''}: {factor.source}."
-    if factor.unverified:
-        source += " *: not checked against the published text."
-    bridge_keys = ["bearing", "ambient_degC"] if several else ["ambient_degC"]
-    bridge_table = make_table(
-        bridges,
-        [*bridge_keys, "effective_period_s", *DAMPING_RATIOS, "B_L"],
-        "Effective period and damping of the bridge",
-        keys=len(bridge_keys),
-        note=source,
-        keep_keys=True,
-    )
-    written = lines.drop(columns=["kind", "excess", "law", "secant_kN_mm", "secant_of"])
-    files = {
-        PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
-        LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
-    }
-    tables = {"properties": table.merged("line"), "bridge_properties": bridge_table}
-    periods, frame = periods_table(
-        result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES, lines=lines
-    )
-    if len(frame) > SHOWN_MODES:
-        files[MODES_FILE] = frame.to_csv(index=False).encode()
-    return tables | {"periods": periods}, files
-
-
-def _reservations(lines: "pd.DataFrame") -> list[str]:
-    """Return what equivalent properties rest on besides tests of the bearing, as sentences."""
-    rows = lines.to_dict("records")
-    if elastic := [
-        plain(f"{row['line']} ({row['line_bearing']}) at {row['ambient_degC']:g} °C: {text}")
-        for row in rows
-        if (text := elastic_note(row))
-    ]:
-        elastic = [f"{ELASTIC} ({'; '.join(elastic)})."]
-    rows = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"]).to_dict("records")
-    names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
-    sentences = []
-    for begins, describes in ((MARKED, (beyond_note, excess_note)), (HEATED, (heated_lead_note,))):
-        names_by_text: dict[str, list[str]] = {}
-        for name, row in zip(names, rows, strict=True):
-            for text in filter(None, (describe(row) for describe in describes)):
-                names_by_text.setdefault(text, []).append(name)
-        texts = [f"{joined(group)}: {text}" for text, group in names_by_text.items()]
-        if texts:
-            sentences.append(f"{begins} ({'; '.join(texts)}).")
-    keys: dict[str, list[str]] = {}
-    for row in rows:
-        keys.setdefault(row["line_bearing"], []).extend(assumed_in_file(row))
-    if parts := [
-        f"{name} ({joined(content.key_words(key) for key in dict.fromkeys(chosen))})"
-        for name, chosen in keys.items()
-        if chosen
-    ]:
-        sentences.append(f"Not measured, but assumed, borrowed or chosen: {'; '.join(parts)}.")
-    return elastic + [plain(sentence) for sentence in sentences]
 
 
 def _report_checks(result: EarthquakeResult, case: Case) -> list[Check]:

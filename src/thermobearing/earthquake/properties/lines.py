@@ -15,9 +15,10 @@ import numpy as np
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.exposure import exposed, exposed_bilinear
 from thermobearing.bearing.library import as_bearing
-from thermobearing.bearing.model import Bearing
+from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.sources import (
     EXTRAPOLATED,
+    LEAD_EXTRAPOLATED,
     VIRGIN_EXCESS,
     assumed_properties,
 )
@@ -35,6 +36,7 @@ from thermobearing.cyclic.equivalent import (
 from thermobearing.earthquake.case import EarthquakeAnalysis, OnLine, list_bearing_tables
 from thermobearing.earthquake.properties.notes import (
     FIRST,
+    HEATED_COLUMNS,
     SCRAGGED,
     bearing_sources,
 )
@@ -49,7 +51,6 @@ if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
 ROUNDING = 1e-9  # of K_eff D^2: energy of a loop that is elastic
-HEATED = ("K_eff_heated_kN_mm", "h_eff_heated", "Q_d_heated_kN")  # with the lead of the runs
 STILL = 1e-6  # strain of a line that does not move, whose stiffness is not asked for
 MEAN_RULE = "mean of seven"
 
@@ -125,8 +126,10 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         if excess and rubber != SCRAGGED and isinstance(as_in_file, Bearing):
             assumed += [VIRGIN_EXCESS] * scragging_of(as_in_file)[1]
         assumed += [EXTRAPOLATED] * (outside != 0.0)
+        cold_lead = _cold_lead(device, temperature)
+        assumed += [LEAD_EXTRAPOLATED] * bool(cold_lead)
         origin: dict[str, Any] = {"rubber": rubber, "excess": excess, "assumed": " ".join(assumed)}
-        origin |= {"law": law, "outside_law_K": outside}
+        origin |= {"law": law, "outside_law_K": outside, "cold_lead": cold_lead}
         rows.append(labels | line | values | origin | _largest_secant(group))
     return _with_one_ratio(pd.DataFrame(rows))
 
@@ -142,6 +145,27 @@ def _beyond_law(device: Bearing | BilinearBearing, temperature: float) -> tuple[
     low, high = law.range
     beyond = min(temperature - low, 0.0) + max(temperature - high, 0.0)
     return f"{low:g} to {high:g} degC", beyond if abs(beyond) > SLACK_KELVIN else 0.0
+
+
+def _cold_lead(device: Bearing | BilinearBearing, temperature: float) -> str:
+    """Return what the strength of lead rests on that is colder than in its tests [degC]; else "".
+
+    Without stated tests, that is lead colder than the temperature that its yield stress is of.
+    """
+    lead = None if isinstance(device, BilinearBearing) else device.lead
+    if lead is None or isinstance(device, BilinearBearing):
+        return ""
+    tested = (calibration_ranges(device) or {}).get("lead_temperature")
+    coldest = lead.reference_temperature if tested is None else tested[0]
+    if not temperature < coldest - SLACK_KELVIN:
+        return ""
+    factor = math.exp(-lead.softening * (temperature - coldest))
+    ends = "T_0 of its yield stress; no test of it is stated"
+    return (
+        f"Q_d is {factor:.2f} times that with the lead at {coldest:g} degC by E_2 = "
+        f"{lead.softening:g}/K, which is extrapolated below this temperature, "
+        + (ends if tested is None else "the coldest of its tests")
+    )
 
 
 def _largest_secant(group: "pd.DataFrame") -> dict[str, Any]:
@@ -259,7 +283,7 @@ def _properties(
     """
     kind, cycle_number, over_scragged = "", CYCLE, 1.0
     loop: BilinearParameters | None
-    heated: dict[str, float] = dict.fromkeys(HEATED, math.nan)
+    heated: dict[str, float] = dict.fromkeys(HEATED_COLUMNS, math.nan)
     if isinstance(device, BilinearBearing):
         loop = BilinearParameters(
             device.strength, device.post_yield_stiffness, device.initial_stiffness
@@ -292,7 +316,7 @@ def _properties(
                 strength = warm.strength
             ratio = _damping_ratio(with_lead.energy_kN_mm, with_lead.stiffness_kN_mm, displacement)
             values = with_lead.stiffness_kN_mm, ratio, strength
-            heated = dict(zip(HEATED, values, strict=True))
+            heated = dict(zip(HEATED_COLUMNS, values, strict=True))
         constants = build_model(device, ModelOptions()).constants
         at_rest = initial_stiffness(constants, temperature, temperature)
         modulus = checked_modulus(device, temperature)

@@ -11,11 +11,13 @@ from thermobearing.bearing.sources import (
 )
 from thermobearing.border.lazy import pd
 from thermobearing.earthquake.properties.notes import (
+    HEATED_COLUMNS,
     KILO,
     OTHER_DISPLACEMENTS,
     SCRAGGED,
     assumed_in_file,
     beyond_note,
+    cold_lead_note,
     cycle_note,
     elastic_note,
     excess_note,
@@ -69,7 +71,9 @@ def link_text(
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
         "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
         "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
-        "All without heating: a bearing that warms in an earthquake is softer.",
+        "All without heating: a bearing that warms in an earthquake is softer. Lines with",
+        "lead have a second block at the warmest ambient, with the lead as warm as in the",
+        "runs and T_eff without heating.",
     ]
     for note in (*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)):
         text += textwrap.wrap(note, LINK_WIDTH)
@@ -84,20 +88,32 @@ def link_text(
         keys = ", ".join(assumed_in_file(row))
         assumed = f"assumed in the bearing file: {keys}" if keys else ""
         phrases = [elastic_note(row), cycle_note(row), assumed, beyond_note(row), excess_note(row)]
-        phrases += [heated_lead_note(row), secant_note(row) if upper else ""]
+        phrases += [cold_lead_note(row), heated_lead_note(row), secant_note(row) if upper else ""]
         for phrase in phrases:
             text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
-        text += [
-            _link_row(name, value, unit)
-            for name, value, unit in _link_values(row, period)
-            # The vertical stiffness of a bilinear bearing, the loop of one without a yield.
-            if not math.isnan(value)
-        ]
+        text += _link_rows(_link_values(row, period))
+        warmest = row["ambient_degC"] == lines["ambient_degC"].max()
+        if warmest and not math.isnan(row["lead_degC"]):
+            lead = f"{row['lead_degC']:.1f} degC, its highest temperature in the runs"
+            text.append(f"  with the lead at {lead}")
+            # Vertical stiffness and design displacement are those above.
+            text += _link_rows(_link_values(_with_heated_lead(row), period)[1:-1])
     if devices:
         text += ["", *textwrap.wrap(DEVICES_NOTE, LINK_WIDTH)]
     for device in devices:
         text += [f"\n{device.title()}", *(_link_row(*constant) for constant in device.constants())]
     return "\n".join(text) + "\n"
+
+
+def _link_rows(values: Sequence[tuple[str, float, str]]) -> list[str]:
+    """Return values as rows; the vertical stiffness of a bilinear bearing and no yield are NaN."""
+    return [_link_row(*value) for value in values if not math.isnan(value[1])]
+
+
+def _with_heated_lead(row: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return a line with the properties that it has with the lead as warm as in the runs."""
+    heated = {name.replace("_heated", ""): row[name] for name in HEATED_COLUMNS}
+    return dict(row) | heated
 
 
 def _link_row(name: str, value: float, unit: str) -> str:

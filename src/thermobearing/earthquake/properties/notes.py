@@ -9,6 +9,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.bearing.sources import (
     COEFFICIENTS,
     EXTRAPOLATED,
+    LEAD_EXTRAPOLATED,
     VIRGIN_EXCESS,
     assumed_clause,
 )
@@ -26,6 +27,7 @@ TEMPERATURE_NOTE = (
     "{phrases}. Compare them with factors of the maker or of a code (thermobearing lambda)."
 )
 SCRAGGED = "scragged"
+HEATED_COLUMNS = ("K_eff_heated_kN_mm", "h_eff_heated", "Q_d_heated_kN")  # with lead of the runs
 FIRST = 1  # the cycle in which virgin rubber is stiffest
 KILO = 1e3  # mm in a metre
 OTHER_DISPLACEMENTS = (
@@ -141,6 +143,11 @@ def heated_lead_note(row: Mapping[Any, Any]) -> str:
     )
 
 
+def cold_lead_note(row: Mapping[Any, Any]) -> str:
+    """Return that the strength of cold lead is extrapolated; else empty."""
+    return str(row["cold_lead"])
+
+
 def beyond_note(row: Mapping[Any, Any]) -> str:
     """Return by how much the temperature of a line is outside the law of its rubber; else empty."""
     beyond = float(row["outside_law_K"])
@@ -175,4 +182,5 @@ def secant_note(row: Mapping[Any, Any]) -> str:
 
 def assumed_in_file(row: Mapping[Any, Any]) -> list[str]:
     """Return the keys of the bearing file whose numbers a line rests on and were not measured."""
-    return [key for key in row["assumed"].split() if key not in (EXTRAPOLATED, VIRGIN_EXCESS)]
+    in_notes = (EXTRAPOLATED, VIRGIN_EXCESS, LEAD_EXTRAPOLATED)
+    return [key for key in row["assumed"].split() if key not in in_notes]
