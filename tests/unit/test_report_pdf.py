@@ -33,6 +33,7 @@ from thermobearing.report.pdf import (
 )
 from thermobearing.report.pieces import (
     FigureBlock,
+    Paragraph,
     Pieces,
     ReportFigure,
     Signatures,
@@ -245,6 +246,29 @@ def test_a_caption_is_not_parted_from_its_table() -> None:
         before_foot = text.split("thermobearing 0.2.0 ·")[0].split()
         assert before_foot[-2] != "Caption"  # a number of it would follow
         assert before_foot[-1] != "a"
+
+
+def test_a_note_stays_with_its_table_and_a_head_in_bold_with_its_text() -> None:
+    tables = {
+        f"t{k}": Table(
+            f"Caption {k};", [Quantity("a")], [(j,) for j in range(3 + k % 5)], note=f"Note {k};"
+        )
+        for k in range(60)
+    }
+    raw = written(dataclasses.replace(PIECES, tables=tables))
+    pages = [" ".join(text.split()) for text in page_texts(raw)]
+    notes = [(text, k) for text in pages for k in range(60) if f"Note {k};" in text]
+    assert len(notes) == 60
+    assert all(f"Caption {k};" in text for text, k in notes)
+    blocks = [
+        Paragraph(words)
+        for k in range(150)
+        for words in (f"**Head {k};**", f"Text {k};", *["More."] * (k % 3))
+    ]
+    pages = page_texts(pdf_bytes(dataclasses.replace(document(PIECES, BLOCK, LOGO), blocks=blocks)))
+    heads = [(text, k) for text in pages for k in range(150) if f"Head {k};" in text]
+    assert len(heads) == 150
+    assert all(f"Text {k};" in text for text, k in heads)
 
 
 COLUMNS = [Quantity("time", "s"), Quantity("force", "kN")]
