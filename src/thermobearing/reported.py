@@ -319,6 +319,18 @@ def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str
 VERDICTS = dict.fromkeys((checks.NO_LIMIT, checks.NO_VALUE), NOT_ASSESSED) | {checks.PASSED: PASSED}
 
 
+def limit_name(row: Mapping[Any, Any]) -> str:
+    """Return the code and the check of a row; without edition where an office entered the limit.
+
+    >>> limit_name({"code": "AASHTO GSID (2014)", "what": "uplift", "unverified": False})
+    'AASHTO GSID: uplift'
+    """
+    # Limits of codes are verified where an office has entered them, with its own edition.
+    code = str(row.get("code") or "")
+    code = code if row.get("unverified") else code.partition(" (")[0]
+    return f"{code}: {row['what']}" if code else str(row["what"])
+
+
 def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
     """Return rows of checks (model/checks.py) as those of a report; strains in %."""
     report_checks = []
@@ -329,8 +341,7 @@ def sheet_checks(rows: Iterable[Mapping[Any, Any]]) -> list[Check]:
         value, limit = (math.nan if row[n] is None else factor * row[n] for n in ("value", "limit"))
         source = f"{plain(row['source'])}{'*' if row.get('unverified') else ''}"
         verdict = VERDICTS.get(row["verdict"], EXCEEDED)
-        what = plain(row["what"])
-        limited = f"{row['code']}: {what}" if row.get("code") else what
+        limited = plain(limit_name(row))
         what = f"{limited}, {row['part']}" if row.get("part") else limited
         lower = bool(row["least"])
         report_checks.append(

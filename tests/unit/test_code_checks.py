@@ -25,6 +25,7 @@ from thermobearing.model.element import BearingElement
 from thermobearing.model.limits import load_limits
 from thermobearing.report.pieces import EXCEEDED, PASSED, Bullets
 from thermobearing.report.template import ACTIONS, _actions
+from thermobearing.reported import sheet_checks
 from thermobearing.results.writing import as_attribute
 
 BEARING, LOAD, ROTATION = "shen-hdr-bridge", 800.0, 0.004
@@ -271,6 +272,10 @@ def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
     assert stress == (3.0, "NG", False, True)
     starred = found.bearing_checks.query("unverified and limit == limit")
     assert set(starred.query("code == @JRA")["what"]) == {"Level 1 shear strain"}
+    # The edition of a limit that was entered is that of the office.
+    names = {check.limited for check in sheet_checks(found.bearing_checks.to_dict("records"))}
+    assert f"{AASHTO.partition(' (')[0]}: vertical load without displacement" in names
+    assert f"{JRA}: Level 1 shear strain" in names
     again = tb.check_bearings(found, ["jra", "aashto"], rotation=ROTATION)
     assert again.bearing_checks.equals(found.bearing_checks)  # the case holds the limits
 

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 import thermobearing as tb
 from thermobearing.cli import app
+from thermobearing.earthquake.motions import CUT
 from thermobearing.motions.library import load_motion
-from thermobearing.studies.definition.motions import CUT
 
 FILE = """
 kind = "study"
@@ -125,6 +125,9 @@ def test_a_duration_that_cuts_motions_is_a_warning(tmp_path: Path) -> None:
     assert note in " ".join(shown.stderr.split())
     warnings = tb.load_result(tmp_path / "out").warnings
     assert [text for text in warnings if getattr(text, "code", "") == CUT] == [note]
+    bridge = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", ambient=23, duration=0.2)
+    (cut,) = [text for text in bridge.warnings if getattr(text, "code", "") == CUT]
+    assert note.startswith(cut)
     (tmp_path / "cut.toml").write_text(FILE.replace("2 s", f"{length + 1.0} s"))
     assert last(["study", *study, "--dry-run", "-q"])["notes"] == []
 

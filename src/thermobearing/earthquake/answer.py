@@ -32,6 +32,7 @@ from thermobearing.quantities.words import (
     quantity,
     tidy,
 )
+from thermobearing.reported import limit_name
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.writing import from_attribute
 
@@ -180,8 +181,8 @@ def _governing_line(result: EarthquakeResult, lines: Sequence[str]) -> Shown:
         checks = checks[checks["part"].isin(lines) & checks["limit"].notna()]
     if len(checks):
         check = checks.iloc[place_of_largest(checks["used"].astype(float))]
-        what = f"{check['code']}: {check['what']}" if check["code"] else str(check["what"])
-        use = f"uses most of an engineering limit ({percent(float(check['used']))}, {what})"
+        name = limit_name(check.to_dict())
+        use = f"uses most of an engineering limit ({percent(float(check['used']))}, {name})"
         return Shown(str(check["part"]), use)
     rows = result.resultant.lines
     rows = rows[rows["line"].isin(lines)]

@@ -35,7 +35,7 @@ from thermobearing.earthquake.axial import (
 )
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
-from thermobearing.earthquake.motions import TARGETS, pair_notes
+from thermobearing.earthquake.motions import CUT, TARGETS, cut_note, pair_notes
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model import handover
 from thermobearing.model.checks import (
@@ -181,6 +181,9 @@ def _collect_warnings(
         messages += implausible_structure(case.structure, tasks[0].prepared)
     motions = [motion.model_dump(exclude_none=True) for motion in case.motions]
     messages += pair_notes(motions, plan=bool(case.structure.plan))
+    records = [task.shaking.motion for task in tasks]
+    if cut := cut_note([(record.name, record.duration) for record in records], case.duration):
+        messages.append(Warned(cut, CUT))
     of_bearings, compared, of_lead = _warnings_of_bearings(case, tasks, histories, traces)
     # Several bearings that leave the same range are one cause.
     messages += one_per_cause(of_bearings)

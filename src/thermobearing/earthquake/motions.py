@@ -1,6 +1,6 @@
 """The ground motions of a case as data: records, pairs of records at angles, and labels."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -186,6 +186,24 @@ def pair_notes(motions: Sequence[Mapping[str, Any]], *, plan: bool) -> list[str]
     return [
         f"{subject}; only their component along x acts, since the structure is in one direction"
     ]
+
+
+MOST_NAMED = 3  # motions that are named
+CUT = "cut_motion"  # code of the warning of a duration that ends motions before their end
+
+
+def cut_note(lengths: Iterable[tuple[str, float]], duration: float | None) -> str:
+    """Return which motions, of some names and lengths [s], a duration [s] cuts; else nothing.
+
+    >>> cut_note([("a", 60.0), ("b", 20.0)], 40.0)
+    'duration cuts a (40 of 60 s)'
+    """
+    if duration is None:
+        return ""
+    cut = {name: length for name, length in lengths if length > duration}
+    named = [f"{name} ({duration:g} of {length:g} s)" for name, length in cut.items()]
+    others = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
+    return f"duration cuts {joined([*named[:MOST_NAMED], *others])}" if named else ""
 
 
 def _keys(table: dict[str, Any]) -> list[tuple[Any, ...] | None]:

@@ -30,7 +30,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.opener import LARGEST_STORE, opened
 from thermobearing.border.text_file import write_whole
 from thermobearing.core.compiled.sources import cache_directory
-from thermobearing.earthquake.motions import Motion, motion_table, pair_notes
+from thermobearing.earthquake.motions import CUT, Motion, cut_note, motion_table, pair_notes
 from thermobearing.motions import targets
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.matching import LARGEST_MISFIT, misfit
@@ -39,7 +39,6 @@ from thermobearing.motions.record import GroundMotion
 from thermobearing.motions.synthesis import check_record, make_motion, match_spectrum
 from thermobearing.motions.targets import STANDARD_NAMES, DesignSpectrum, find_kind, load_spectrum
 from thermobearing.quantities.warned import Warned
-from thermobearing.quantities.words import joined
 from thermobearing.studies.definition.record import MotionFactor, Study
 from thermobearing.studies.run.processes import call_on_processes, raise_if_stopped
 
@@ -61,7 +60,6 @@ DAMAGED: tuple[type[Exception], ...] = (
     zlib.error,
     struct.error,
 )
-CUT = "cut_motion"  # warning: a duration ends motions before their end
 ABOUT = "about"  # entry of a file with its texts and numbers, as JSON
 TEXTS = ("name", "description", "citation")
 STAND_IN = f"{PHASES}-1"  # built-in motion in place of one that does not exist yet
@@ -205,9 +203,6 @@ def motion_levels(factor: MotionFactor) -> list[Motion]:
     ]
 
 
-MOST_NAMED = 3  # motions that are named
-
-
 def study_notes(study: Study) -> list[str]:
     """Return what a study does with its motions that a reader may not expect, as sentences.
 
@@ -216,16 +211,8 @@ def study_notes(study: Study) -> list[str]:
     """
     tables = [level.model_dump(exclude_none=True) for level in study.factors.motion.levels or ()]
     notes = pair_notes(tables, plan=bool(study.factors.structure.levels[0].plan))
-    duration = study.case.duration
-    if duration is None:
-        return notes
-    cut = {name: length for name, length in _lengths(study.factors.motion) if length > duration}
-    if cut:
-        named = [f"{name} ({duration:g} of {length:g} s)" for name, length in cut.items()]
-        others = [f"{len(named) - MOST_NAMED} more"] if len(named) > MOST_NAMED else []
-        subject = joined([*named[:MOST_NAMED], *others])
-        sentence = f"duration cuts {subject}; intensities are those of the whole records"
-        notes.append(Warned(sentence, CUT))
+    if cut := cut_note(_lengths(study.factors.motion), study.case.duration):
+        notes.append(Warned(f"{cut}; intensities are those of the whole records", CUT))
     return notes
 
 
