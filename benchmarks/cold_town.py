@@ -16,12 +16,10 @@ from matplotlib.figure import Figure
 from thermobearing.climate.generator import generate_weather
 from thermobearing.climate.hourly import Hourly
 from thermobearing.earthquake.run import bearing_weather
-from thermobearing.model.outcomes import PIER_BEYOND_LIMIT
 from thermobearing.results import drawing
 from thermobearing.studies.definition.case import load_study
 from thermobearing.studies.run.engine import run_study
-from thermobearing.studies.run.shard import COMPLETED
-from thermobearing.studies.statistics.demand import OUTCOME, counted
+from thermobearing.studies.statistics.demand import counted
 from thermobearing.studies.statistics.fragility import (
     Fragility,
     combine_curves,
@@ -49,25 +47,20 @@ SITE = Hazard([1.0, 25.0], [0.18, 0.18 * 25.0**-2.5], "Sa")
 
 
 class Limit(NamedTuple):
-    """A limit: the demand, the capacity, and what failed runs count as."""
+    """A limit: the demand and the capacity. Failed runs count as in every study."""
 
     label: str
     demand: str
     capacity: float
-    failed: Any
 
     def rows(self, table: pd.DataFrame, bearing: str) -> pd.DataFrame:
-        """Runs of a bearing; those whose pier went beyond its limits have the bearing's strain."""
-        runs = table[table["bearing"] == bearing].reset_index(drop=True)
-        if self.demand.startswith("bearing_"):
-            runs = runs.replace({OUTCOME: {PIER_BEYOND_LIMIT: COMPLETED}})
-        return runs
+        """Runs of a bearing."""
+        return table[table["bearing"] == bearing].reset_index(drop=True)
 
 
-# A bearing that tears has gone beyond 250 %; of the pier below it nothing is known.
 LIMITS = (
-    Limit("pier yields", "pier_ductility", 1.0, "left-out"),
-    Limit("bearing beyond 250 %", "bearing_strain_max", 2.5, "collapse"),
+    Limit("pier yields", "pier_ductility", 1.0),
+    Limit("bearing beyond 250 %", "bearing_strain_max", 2.5),
 )
 
 
@@ -108,7 +101,6 @@ def answers(runs: dict[str, pd.DataFrame], warmth: dict[str, Any]) -> dict[tuple
                 *wanted,
                 "ambient_degC",
                 method="ida",
-                failed=limit.failed,
             )
             shares = shares_of_time(list(curves), warmth[bearing])
             by_bearing[bearing, limit.label] = Answer(
@@ -164,7 +156,7 @@ def parts_table(results: dict[tuple[str, str], Answer]) -> list[str]:
 
 def shares_beyond(table: pd.DataFrame, bearing: str, limit: Limit) -> pd.Series:
     """Share of the runs that go beyond, at each intensity."""
-    demands = counted(limit.rows(table, bearing), limit.demand, limit.failed)
+    demands = counted(limit.rows(table, bearing), limit.demand, capacity=limit.capacity)
     beyond = pd.Series(demands.demand > limit.capacity)
     return beyond.groupby(demands.table[INTENSITY].to_numpy()).mean()
 

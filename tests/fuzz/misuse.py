@@ -311,8 +311,8 @@ METHODS: dict[str, tuple[Callable[[], Any], dict[str, dict[str, Any]]]] = {
     ),
     "StudyResult": (
         _study,
-        {"demand": {"demand": None, "across": "ambient_degC", "by": None, "failed": "left-out"},
-         "ida": {"demand": None, "failed": "left-out"}, "select": {"ambient": 0.0},
+        {"demand": {"demand": None, "across": "ambient_degC", "by": None, "failed": "computed"},
+         "ida": {"demand": None, "failed": "computed"}, "select": {"ambient": 0.0},
          "fragility": {"capacity": 1.0, "demand": None, "name": ""},
          "fragilities": {"capacity": 1.0, "demand": None, "by": "ambient_degC"},
          "over_climate": {"curves": {}, "temperatures": [0.0]},

@@ -256,16 +256,18 @@ def test_studies_count_melted_lead_as_failed_and_name_it_first() -> None:
     failures = count_failures(table)
     assert failures["outcome"].tolist() == [MELTED, "pier_beyond_limit"]
     assert failures["runs"].tolist() == [1, 3]
-    # The hinge law is not valid beyond the limits of the pier, nor is what else was computed.
+    # The hinge law is not valid beyond the limits of the pier; the run goes on to the end.
     for demand, failed, counts in (
+        ("demand", "computed", (1, 0)),
         ("demand", "left-out", (4, 0)),
         ("demand", "collapse", (0, 4)),
+        ("pier_ductility", "computed", (1, 3)),
         ("pier_ductility", "left-out", (1, 3)),
         ("pier_ductility", "collapse", (0, 4)),
     ):
         runs = counted(table, demand, failed)
         assert (runs.left_out, runs.collapsed) == counts, (demand, failed)
-        assert np.isfinite(runs.demand).sum() == 2
+        assert np.isfinite(runs.demand).sum() == 2 + runs.computed
         assert f"4 of {len(table)} runs failed" in runs.sentence
 
 

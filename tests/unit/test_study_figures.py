@@ -3,10 +3,12 @@
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from tests.unit.made_up_study import ask, drawn, made_up
+from tests.unit.made_up_study import ask, beyond_limit, drawn, made_up
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.statistics.demand import counted
 from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
 
 
@@ -79,21 +81,62 @@ def test_the_legend_of_the_variance_lies_above_its_bars() -> None:
     assert box.get_window_extent().y0 >= ax.get_window_extent().y1
 
 
-def test_the_median_with_collapse_stands_beside_the_runs_that_are_left_out() -> None:
-    """Where it differs: the failed runs of made-up studies have the largest demands."""
+def test_medians_with_other_treatments_of_failed_runs_stand_beside_the_count() -> None:
+    """Where they differ: the failed runs of made-up studies have the largest demands."""
     part = made_up().parts()["shen-hdr-bridge"]
     table = part.table.assign(bearing_strain_max=part.table["pier_ductility"])
     result = StudyResult(table, part.study, part.manifest)
     question = {"demand": "bearing_strain_max", "capacity": 3.0}
     left_out = ask(result, **question)
     collapsed = ask(result, **question, failed="collapse").find_curves()[0]
-    medians = left_out.medians_with_collapse()
+    medians = {name: others["collapse"] for name, others in left_out.other_medians().items()}
     assert medians
     for name, median in medians.items():
         assert median == collapsed[name].median
-    assert ask(result, **question, failed="collapse").medians_with_collapse() == {}
     note = left_out.tables()["fragility"].note
     assert [note.count(f"{median:.4g} m/s²") for median in medians.values()] == [1] * len(medians)
     # A low capacity is exceeded long before runs fail.
     low = ask(result, demand="bearing_strain_max", capacity=0.5)
-    assert set(low.medians_with_collapse()) < set(low.find_curves()[0])
+    assert set(low.other_medians()) < set(low.find_curves()[0])
+
+
+def test_a_fragility_of_bearings_says_how_many_runs_of_each_intensity_count() -> None:
+    """With failed = "left-out" the strongest motions lose most runs; titles say what is left."""
+    part = beyond_limit().parts()["shen-hdr-bridge"]
+    outcome = part.table["outcome"]
+    table = part.table.assign(PGA_m_s2=part.table["scale"] * 8.0)
+    table["bearing_strain_max"] = part.table["PGA_m_s2"] / 4.0
+    result = StudyResult(table, part.study, part.manifest)
+    question = {"demand": "bearing_strain_max", "capacity": 1.0}
+    computed, left_out = ask(result, **question), ask(result, **question, failed="left-out")
+    failed = int((outcome == "pier_beyond_limit").sum())
+    curve = computed.fragility(1.0, "bearing_strain_max", samples=5)
+    assert (curve.computed, curve.left_out, curve.incomplete) == (failed, 0, {})
+    curve = left_out.fragility(1.0, "bearing_strain_max", failed="left-out", samples=5)
+    assert (curve.computed, curve.left_out) == (0, failed)
+    largest = table["PGA_m_s2"].max()
+    at_largest = table[table["PGA_m_s2"] == largest]
+    used = int((at_largest["outcome"] == "completed").sum())
+    assert curve.incomplete[largest] == (used, len(at_largest))
+    within = "runs whose pier stays within its limits"
+    assert within in left_out.tables()["fragility"].caption
+    assert within in left_out.plot._title("fragility")
+    assert within not in computed.tables()["fragility"].caption
+
+
+def test_a_run_that_stopped_beyond_the_capacity_exceeds_it() -> None:
+    """Molten lead and a torn bearing after the pier yielded; numbers that are wrong do not."""
+    outcome = ["completed", "lead_melted", "lead_melted", "not_physical", "not_physical"]
+    table = pd.DataFrame(
+        {
+            "outcome": outcome,
+            "pier_ductility": [0.5, 14.0, 0.8, 13.0, 13.0],
+            "bearing_strain_max": [1.0, 4.0, 4.0, 5.2, 2.0],
+        }
+    )
+    runs = counted(table, "pier_ductility", "computed", 1.0)
+    assert runs.kept.tolist() == [True, True, False, True, False]
+    assert runs.demand.tolist() == [0.5, np.inf, np.inf]
+    assert (runs.collapsed, runs.left_out) == (2, 2)
+    assert counted(table, "pier_ductility", "left-out", 1.0).left_out == 4
+    assert counted(table, "pier_ductility").left_out == 4  # without a capacity

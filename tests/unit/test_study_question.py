@@ -15,14 +15,14 @@ def test_another_demand_does_not_take_over_the_capacity_of_the_last_one() -> Non
     saved = Question(capacity=4.0, failed="collapse", method="cloud", weather="cold-town")
     strain = {"demand": "bearing_strain_max"}
     other = change_question(saved, strain, default_demand="pier_ductility")
-    assert (other.capacity, other.failed) == (None, "left-out")
+    assert (other.capacity, other.failed) == (None, "computed")
     assert (other.method, other.weather) == ("cloud", "cold-town")
     kept, dropped = describe_kept(saved, strain, other, "question.toml")
     assert "method = cloud" in kept
     assert "weather = cold-town" in kept
     assert dropped.endswith("capacity = 4, failed = collapse")
     with_capacity = change_question(saved, strain | {"capacity": 2.5})
-    assert (with_capacity.capacity, with_capacity.failed) == (2.5, "left-out")
+    assert (with_capacity.capacity, with_capacity.failed) == (2.5, "computed")
     # The demand of the options without one, and that which they have, are the same one.
     same = {"demand": "pier_ductility"}
     assert change_question(saved, same, default_demand="pier_ductility").capacity == 4.0

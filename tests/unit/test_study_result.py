@@ -249,18 +249,22 @@ def test_every_figure_reports_failed_runs() -> None:
         ask(made_up(), hazard=HAZARD).plot.draw_all()
 
 
-def test_runs_of_a_pier_beyond_its_limits_are_no_results_of_the_bearing() -> None:
+def test_treatments_of_runs_of_a_pier_beyond_its_limits() -> None:
     result = beyond_limit()
     strained = result.table.assign(bearing_strain_max=result.table["PGA_m_s2"] / 4.0)
     result = StudyResult(strained, result.study, result.manifest, "out/p1")
     part = ask(result, demand="bearing_strain_max", capacity=1.0).parts()["shen-hdr-bridge"]
     assert part.failed > 0
-    for failed, counts in (("left-out", (part.failed, 0)), ("collapse", (0, part.failed))):
+    for failed, counts in (
+        ("computed", (0, 0, part.failed)),
+        ("left-out", (part.failed, 0, 0)),
+        ("collapse", (0, part.failed, 0)),
+    ):
         curve = part.fragility(1.0, "bearing_strain_max", failed=failed, samples=5)  # type: ignore[arg-type]
-        assert (curve.left_out, curve.collapsed) == counts
+        assert (curve.left_out, curve.collapsed, curve.computed) == counts
         assert curve.sentence.startswith(f"{part.failed} of {part.runs} runs failed")
         assert curve.runs == part.runs - curve.left_out
-    assert f"{part.failed} of {part.runs} runs failed and are left out" in part.warnings[0]
+    assert f"{part.failed} of {part.runs} runs failed and are counted with" in part.warnings[0]
     of_pier = part.fragility(1.0, "pier_ductility", samples=5)
     assert (of_pier.left_out, of_pier.collapsed) == (0, part.failed)
 

@@ -166,10 +166,11 @@ def _draw_fragility(
     drawing.name_axes(ax, intensity, "probability of exceedance")
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
+    computed = sum(curve.computed for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
     method = next(iter(curves.values())).method
     bands = _describe_bands(list(curves.values()), banded)
-    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed)}"
+    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed, computed)}"
     lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
     look: drawing.Look = {"loc": "left", "fontsize": drawing.SMALLEST, "color": drawing.GREY}
     ax.set_title("\n".join(lines), **look)
@@ -456,7 +457,8 @@ class StudyFigures(drawing.Figures):
         result = self._result
         names = result.table["bearing"].unique()
         of = f", {names[0]}" if len(names) == 1 else ""
-        return f"{what}, {column_words(result.demand_name)} above {limit_words(result)}{of}"
+        title = f"{what}, {column_words(result.demand_name)} above {limit_words(result)}{of}"
+        return ", ".join(filter(None, [title, result.selection]))
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return a function for each figure that this study has, by name of its file."""

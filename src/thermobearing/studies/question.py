@@ -17,7 +17,7 @@ from thermobearing.border.units import parse_quantity, with_unit
 from thermobearing.climate.generator import CLIMATES
 from thermobearing.climate.site import as_weather
 from thermobearing.studies.definition.record import INTENSITY_UNITS
-from thermobearing.studies.statistics.demand import Failed
+from thermobearing.studies.statistics.demand import COMPUTED, Failed
 from thermobearing.studies.statistics.fragility import Method
 from thermobearing.studies.statistics.hazard import Hazard, load_hazard
 
@@ -63,7 +63,8 @@ class Question(Strict):
         demand that exists.
     capacity : capacity in the unit of the demand; without it there is no fragility and no rate.
     method : method of the fragility: "stripes", "ida" or "cloud".
-    failed : failed runs are "left-out", or count as "collapse".
+    failed : failed runs count with the demand that was "computed" (default), are "left-out", or
+        count as "collapse".
     hazard : hazard curve of the site, or its file; without it there are no rates.
     weather : hourly weather of the site, a file or a climate: the share of the time of each
         rubber temperature, for studies whose temperatures are levels.
@@ -72,7 +73,7 @@ class Question(Strict):
     demand: str | None = None
     capacity: Annotated[float, Field(gt=0)] | None = None
     method: Method = "stripes"
-    failed: Failed = "left-out"
+    failed: Failed = COMPUTED
     hazard: SiteHazard | None = None
     weather: str | None = None
     # Hourly weather, or rubber temperatures at equally probable times [degC].

@@ -33,12 +33,15 @@ from thermobearing.studies.definition.record import (
 )
 from thermobearing.studies.question import Question, load_question
 from thermobearing.studies.statistics.demand import (
+    COMPUTED,
     FEW_BEYOND,
     OUTCOME,
+    TREATMENTS,
     WORST,
     Failed,
     counted,
     demand_against,
+    describe_selection,
     extrapolations,
     failure_rule,
     in_classes,
@@ -84,8 +87,8 @@ MEDIAN_DIFFERENCE = 0.02  # of a median, from which both treatments of failed ru
 class StudyResult(Result):
     """Runs of a parameter study, and their statistics.
 
-    All figures and tables treat failed runs as the option `failed` states ("left-out" or
-    "collapse"), and report how many there are.
+    All figures and tables treat failed runs as the option `failed` states ("computed", "left-out"
+    or "collapse"), and report how many there are.
 
     Attributes
     ----------
@@ -159,7 +162,7 @@ class StudyResult(Result):
     def default_demand(self) -> str:
         """Column of a demand that is not stated: ductility of the pier if it exists.
 
-        That and ``failed="left-out"`` are the defaults of methods, whatever `question` has.
+        That and ``failed="computed"`` are the defaults of methods, whatever `question` has.
         """
         return ranked_by(self.table)
 
@@ -167,6 +170,11 @@ class StudyResult(Result):
     def demand_name(self) -> str:
         """Column of the demand of figures, tables and sentences: that of the question, if any."""
         return self.question.demand or self.default_demand
+
+    @property
+    def selection(self) -> str:
+        """Words for titles: which runs are left, if runs with a failed pier are left out, or ""."""
+        return describe_selection(self.table, self.demand_name, self.question.failed)
 
     @property
     def warnings(self) -> list[str]:
@@ -226,7 +234,8 @@ class StudyResult(Result):
         """Return how many runs failed, and the rule by which they count."""
         demand, failed = self.demand_name, self.question.failed
         try:
-            sentence = counted(self.table, demand, failed).sentence
+            capacity = self.question.capacity or np.nan
+            sentence = counted(self.table, demand, failed, capacity).sentence
         except InputError:  # no run has a number
             return f"{self.failed} of {self.runs} runs failed"
         return f"{sentence}. {failure_rule(demand, failed)}".removesuffix(".")
@@ -245,7 +254,7 @@ class StudyResult(Result):
         across: str = AMBIENT,
         *,
         by: Sequence[str] | None = None,
-        failed: Failed = "left-out",
+        failed: Failed = COMPUTED,
     ) -> "pd.DataFrame":
         """Return mean, fractiles and band of the median of a demand at each temperature.
 
@@ -257,7 +266,7 @@ class StudyResult(Result):
             Column of numbers in place of the ambient temperature.
         by : sequence of str, optional
             Columns whose values have separate rows; structures and bearings by default.
-        failed : {"left-out", "collapse"}
+        failed : {"computed", "left-out", "collapse"}
             Treatment of failed runs.
         """
         by = tuple(self.things if by is None else by)
@@ -265,7 +274,7 @@ class StudyResult(Result):
             self.table, demand or self.default_demand, across, by=by, failed=failed
         )
 
-    def ida(self, demand: str | None = None, *, failed: Failed = "left-out") -> Ida:
+    def ida(self, demand: str | None = None, *, failed: Failed = COMPUTED) -> Ida:
         """Return IDA curves, one for each combination of the factors except the scale.
 
         Parameters
@@ -355,8 +364,8 @@ class StudyResult(Result):
         name : str
             Name of the curve.
         options
-            `method` ("stripes", "ida" or "cloud"), `failed` ("left-out" or "collapse"), `level`
-            (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
+            `method` ("stripes", "ida" or "cloud"), `failed` ("computed", "left-out" or "collapse"),
+            `level` (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
         """
         self._refuse_mixed()
         options.setdefault("curves", self._curves())
@@ -468,27 +477,30 @@ class StudyResult(Result):
         curves, climate = self.find_curves()
         return curves if climate is None else {**curves, climate.name: climate}
 
-    def medians_with_collapse(self) -> dict[Any, float]:
-        """Return the medians with failed runs as collapse that differ by more than 2 %, by curve.
+    def other_medians(self) -> dict[Any, dict[Failed, float]]:
+        """Return the medians with the other treatments of failed runs, by curve and treatment.
 
-        Runs that are left out are not like the others: piers fail in the cold, where bearings are
-        stiff. A median beyond the intensities of the runs is no number to compare.
+        Those of a curve are stated if one of them differs by more than 2 % from its own. Failed
+        runs are not like the others: piers fail in the cold, where bearings are stiff. A median
+        beyond the intensities of the runs is no number to compare.
         """
-        question, curves = self.question, self.all_curves()
-        if question.failed == "collapse" or not any(curve.left_out for curve in curves.values()):
+        if not self.failed:
             return {}
-        changed = question.model_copy(update={"failed": "collapse"})
-        others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
-        medians = {}
-        with suppress(InputError):  # too few runs do not collapse for a regression
-            for name, curve in others.all_curves().items():
-                usual = curves[name].median
-                if curve.is_drawable and not curve.beyond_levels:
-                    # Without a curve, or with its median beyond the runs, every number differs.
-                    comparable = curves[name].is_drawable and not curves[name].beyond_levels
-                    if not comparable or abs(curve.median - usual) > MEDIAN_DIFFERENCE * usual:
-                        medians[name] = curve.median
-        return medians
+        curves, medians = self.all_curves(), dict[Any, dict[Failed, float]]()
+        for treatment in TREATMENTS:
+            if treatment == self.question.failed:
+                continue
+            changed = self.question.model_copy(update={"failed": treatment})
+            others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
+            with suppress(InputError):  # too few runs are left for a regression
+                for name, curve in others.all_curves().items():
+                    if curve.is_drawable and not curve.beyond_levels:
+                        medians.setdefault(name, {})[treatment] = curve.median
+        return {
+            name: others
+            for name, others in medians.items()
+            if any(_differs(curves[name], median) for median in others.values())
+        }
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""
@@ -554,7 +566,7 @@ class StudyResult(Result):
 
         The shares are Sobol' indices if the design has Saltelli's arrangement and one combination
         of levels, and correlation ratios otherwise. Factors with paired draws have one common
-        share. Failed runs are left out.
+        share. Failed runs without a demand that was computed to the end are left out.
 
         Parameters
         ----------
@@ -633,6 +645,14 @@ class StudyResult(Result):
         (folder / RESOLVED).write_text(self.study.to_toml(), encoding="utf-8")
         names = list(self.table.select_dtypes("category"))
         write_csv(folder / TABLE, self.table.astype(dict.fromkeys(names, object)))
+
+
+def _differs(curve: Fragility, median: float) -> bool:
+    """Return whether another median differs noticeably from that of a curve, if it has one."""
+    # Without a curve, or with its median beyond the runs, every number differs.
+    if not curve.is_drawable or curve.beyond_levels:
+        return True
+    return abs(median - curve.median) > MEDIAN_DIFFERENCE * curve.median
 
 
 def is_study(path: str | Path) -> bool:

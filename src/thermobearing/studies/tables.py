@@ -14,6 +14,7 @@ from thermobearing.quantities.words import counted, joined, number
 from thermobearing.report.content import words
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT, Plan
+from thermobearing.studies.statistics.demand import Failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
 from thermobearing.studies.statistics.likelihood import with_intensity_unit
@@ -28,7 +29,8 @@ TOO_FEW = "too few"  # motions or levels for a number
 RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
 RATE_UNITS |= {"return_period_years": "year"}
-IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "sentence"]  # not in a table of curves
+# Columns that are not in a table of curves.
+IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "computed", "sentence"]
 
 
 def column_words(column: str) -> str:
@@ -154,7 +156,7 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         table = result.demand(demand, failed=question.failed)
         shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
         units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
-        caption = f"{column_words(demand)} by ambient temperature"
+        caption = f"{column_words(demand)} by ambient temperature{_of_runs(result)}"
         tables["demand"] = _table(table, caption, units=units, heads=shares)
     if result.table[result.intensity].nunique() > 1 and question.capacity is not None:
         for name, part in result.parts().items():
@@ -168,6 +170,10 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         caption = f"Shares of the variance of the {column_words(demand)}"
         tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return tables
+
+
+def _of_runs(result: "StudyResult") -> str:
+    return f", {result.selection}" if result.selection else ""
 
 
 def _paired_note(contributions: "pd.DataFrame") -> str:
@@ -208,10 +214,16 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     tables = {
         f"fragility{ending}": _table(
             table.drop(columns=IN_CAPTION),
-            f"{demand}: lognormal fragility by {part.question.method}{of}",
+            f"{demand}: lognormal fragility by {part.question.method}{of}{_of_runs(part)}",
             units=units,
-            heads=heads | {"name": ambient, "beyond": "Exceedances"},
-            note=_curve_notes(all_curves, part.medians_with_collapse(), unit),
+            heads=heads
+            | {
+                "name": ambient,
+                "beyond": "Exceedances",
+                "runs": "Runs counted",
+                "all_runs": "Of runs",
+            },
+            note=_curve_notes(all_curves, part.other_medians(), unit),
         )
     }
     if rates:
@@ -234,24 +246,28 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
 
 
 def _curve_notes(
-    curves: Mapping[Any, Fragility], medians_with_collapse: Mapping[Any, float], unit: str
+    curves: Mapping[Any, Fragility], medians: Mapping[Any, Mapping[Failed, float]], unit: str
 ) -> str:
     """Return the failed runs of curves, and what is wrong with them, each with its temperatures.
 
-    Where the runs that are left out matter, the median with them as collapse follows the count.
+    Where failed runs matter, the medians with their other treatments follow the count.
     """
     notes: dict[str, list[str]] = {}
     for level, curve in curves.items():
         text = curve.estimate.sentence or curve.sentence
-        if level in medians_with_collapse:
-            median = with_intensity_unit(medians_with_collapse[level], unit)
+        if others := medians.get(level):
             count = "" if text == curve.sentence else f"; {curve.sentence}"
-            text += f'{count}, and with failed = "collapse" the median is {median}'
+            stated = joined(
+                f'{with_intensity_unit(median, unit)} with failed = "{treatment}"'
+                for treatment, median in others.items()
+            )
+            text += f"{count}; the median is {stated}"
         notes.setdefault(text, []).append(_temperature(level))
     for level, curve in curves.items():
         # The numbers of a misfit, which differ from curve to curve, are in the warnings.
         misfit = curve.misfit.partition(":")[0]
-        for text in filter(None, (curve.beyond_levels, curve.wide_bands, misfit)):
+        texts = (curve.incomplete_levels, curve.beyond_levels, curve.wide_bands, misfit)
+        for text in filter(None, texts):
             notes.setdefault(text, []).append(_temperature(level))
     if CLIMATE in curves:
         notes["all temperatures together"] = [CLIMATE]

@@ -1,6 +1,7 @@
 """Demand of the runs of a study: failed runs, demand by temperature, bootstrap, worst runs.
 
-Failed runs are left out and reported, or count as collapse if the user chooses so. The band of a
+Failed runs count with the demand that was computed, where it was computed to the end, are left out,
+or count as collapse, as the user chooses; each result reports their numbers. The band of a
 median lies between the two ordered values that contain the true one with the wanted confidence for
 any distribution (binomial: Conover 1999, Practical Nonparametric Statistics, 3.2); it takes the
 runs as independent.
@@ -24,8 +25,16 @@ from thermobearing.bearing.model import calibration_ranges
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake.result import STRAIN
-from thermobearing.model.outcomes import CAVITATED, PIER_BEYOND_LIMIT, UNSTABLE, UPLIFT
+from thermobearing.model.outcomes import (
+    CAVITATED,
+    MELTED,
+    NOT_PHYSICAL,
+    PIER_BEYOND_LIMIT,
+    UNSTABLE,
+    UPLIFT,
+)
 from thermobearing.quantities.governing import order_from_largest
 from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE, UNTESTED, Warned
 from thermobearing.quantities.words import joined, percent
@@ -151,7 +160,9 @@ def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
     return np.asarray(ordered[outside - 1]), np.asarray(ordered[-outside])
 
 
-Failed: TypeAlias = Literal["left-out", "collapse"]
+Failed: TypeAlias = Literal["computed", "left-out", "collapse"]
+TREATMENTS: tuple[Failed, ...] = get_args(Failed)
+COMPUTED: Failed = "computed"  # the treatment that is not stated
 OUTCOME = "outcome"
 NEVER_RUN = (BAD_INPUT, BROKEN)  # they do not describe the structure
 
@@ -162,28 +173,40 @@ class Counted:
 
     table: "pd.DataFrame"  # their rows
     demand: Floats  # of each of them; infinite for a run that counts as collapse
-    left_out: int  # number of failed runs that are left out, or count as collapse
-    collapsed: int
+    left_out: int  # number of failed runs that are left out, that count as collapse, and that
+    collapsed: int  # count with the demand that was computed
+    computed: int
     kept: NDArray[np.bool_]  # whether each row of the full table counts, and whether it completed
     completed: NDArray[np.bool_]
 
     @property
     def sentence(self) -> str:
         """How many runs failed and how they count."""
-        return describe_failures(len(self.table) + self.left_out, self.left_out, self.collapsed)
+        runs = len(self.table) + self.left_out
+        return describe_failures(runs, self.left_out, self.collapsed, self.computed)
 
 
-def describe_failures(runs: int, left_out: int, collapsed: int) -> str:
-    """Return how many runs failed and how they count: "2 of 40 runs failed and are left out"."""
-    failed = left_out + collapsed
+def describe_failures(runs: int, left_out: int, collapsed: int, computed: int = 0) -> str:
+    """Return how many runs failed and how they count.
+
+    >>> describe_failures(40, 2, 0)
+    '2 of 40 runs failed and are left out'
+    >>> describe_failures(40, 2, 0, 3)
+    '5 of 40 runs failed: 3 counted with the computed demand and 2 left out'
+    """
+    failed = left_out + collapsed + computed
     if not failed:
         return f"{runs} runs, none failed"
-    counts = {"left out": left_out, "counted as collapse": collapsed}
+    counts = {
+        "counted with the computed demand": computed,
+        "left out": left_out,
+        "counted as collapse": collapsed,
+    }
     parts = {treatment: count for treatment, count in counts.items() if count}
     verb = "is" if failed == 1 else "are"
     if len(parts) == 1:
         return f"{failed} of {runs} runs failed and {verb} {next(iter(parts))}"
-    treatments = " and ".join(f"{count} {treatment}" for treatment, count in parts.items())
+    treatments = joined(f"{count} {treatment}" for treatment, count in parts.items())
     return f"{failed} of {runs} runs failed: {treatments}"
 
 
@@ -194,13 +217,26 @@ def failure_rule(demand: str, failed: Failed) -> str:
             'Failed runs count as collapse (failed = "collapse"); those with bad input are left '
             "out."
         )
-    pier = (
+    of_pier = (
         "A run whose pier exceeded its limits counts as collapse, since it exceeds every capacity "
-        "of the pier; other failed runs"
+        "of the pier"
+    )
+    if failed == COMPUTED:
+        computed = "A run whose pier exceeded its limits counts with the demand that was computed"
+        return (
+            f"{of_pier if is_of_pier(demand) else computed}; one that stopped early counts as "
+            "collapse where it had exceeded the capacity, and is left out elsewhere "
+            '(failed = "computed"; others are "left-out" and "collapse").'
+        )
+    pier = (
+        f"{of_pier}; other failed runs"
         if is_of_pier(demand)
         else "Failed runs, also those whose pier exceeded its limits,"
     )
-    return f'{pier} are left out (failed = "left-out"; "collapse" counts them as collapse).'
+    return (
+        f'{pier} are left out (failed = "left-out"; "computed" counts the demand that was '
+        'computed, "collapse" counts them as collapse).'
+    )
 
 
 def is_of_pier(demand: str) -> bool:
@@ -208,40 +244,103 @@ def is_of_pier(demand: str) -> bool:
     return demand.startswith("pier_")
 
 
+def describe_selection(table: "pd.DataFrame", demand: str, failed: Failed) -> str:
+    """Return which runs a result is of, if leaving some out limits what it is of; "" otherwise."""
+    if failed != "left-out" or is_of_pier(demand) or not _computed_to_the_end(table).any():
+        return ""
+    return "runs whose pier stays within its limits"
+
+
 WITH_NUMBERS = (COMPLETED, CAVITATED, UPLIFT)  # outcomes whose numbers are results
 
 
-def counted(table: "pd.DataFrame", demand: str, failed: Failed = "left-out") -> Counted:
+def counted(
+    table: "pd.DataFrame",
+    demand: str,
+    failed: Failed = COMPUTED,
+    capacity: float = np.nan,
+) -> Counted:
     """Return the rows that count, with their demand.
 
     Without a column `outcome` all runs completed. Runs with bad input or a program error are
-    always left out. A run whose pier exceeded its limits exceeds every capacity of a pier; its
-    other demands, computed with a model that is not valid any more, are no results.
+    always left out. A run whose pier exceeded its limits exceeds every capacity of a pier. It is
+    computed to the end of the motion, so that its other demands count if `failed` is "computed".
+    Then a run that stopped after it had reached `capacity` counts as collapse.
     """
-    if failed not in get_args(Failed):
-        raise InputError(f'failed must be "left-out" or "collapse", not {failed!r}')
+    if failed not in TREATMENTS:
+        choices = " or ".join(f'"{name}"' for name in TREATMENTS)
+        raise InputError(f"failed must be {choices}, not {failed!r}")
     values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
-    exceeding = ~completed  # runs that exceed every level of this demand
+    exceeding, computed = ~completed, ~completed  # runs that exceed every level of this demand
     if OUTCOME in table:
         completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
         modes = (UNSTABLE, PIER_BEYOND_LIMIT) if is_of_pier(demand) else (UNSTABLE,)
         exceeding = table[OUTCOME].isin(modes).to_numpy(dtype=bool)
+    if OUTCOME in table and failed == COMPUTED:
+        computed = ~exceeding & _computed_to_the_end(table) & np.isfinite(values)
+        exceeding = exceeding | (_stopped(table) & (values >= capacity))
+    _refuse_missing(values, completed, demand)
+    kept = completed | exceeding | computed
+    if not kept.any():
+        raise InputError(f"none of {len(table)} runs completed")
+    if failed == "collapse" and OUTCOME in table:
+        kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
+    # Infinite exceeds any capacity, so that quantiles and counts need no case for collapse.
+    demands = np.where(completed | computed, values, np.inf)[kept]
+    return Counted(
+        table=table[kept],
+        demand=demands,
+        left_out=int((~kept).sum()),
+        collapsed=int(np.isinf(demands).sum()),
+        computed=int(computed.sum()),
+        kept=kept,
+        completed=completed,
+    )
+
+
+def computed_demand(table: "pd.DataFrame", demand: str) -> Floats:
+    """Return the demand of each row; NaN for runs that were not computed to the end of the motion.
+
+    Statistics that need numbers, such as a variance, have no place for a collapse: a run whose
+    pier exceeded its limits has the demand that was computed, also one of the pier.
+    """
+    values = _numbers(table, demand)
+    if OUTCOME not in table:
+        _refuse_missing(values, np.ones(len(table), dtype=bool), demand)
+        return values
+    completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
+    _refuse_missing(values, completed, demand)
+    demands = np.where(completed | _computed_to_the_end(table), values, np.nan)
+    return np.where(np.isfinite(demands), demands, np.nan)
+
+
+def _computed_to_the_end(table: "pd.DataFrame") -> NDArray[np.bool_]:
+    """Return which runs failed by a limit of the pier, beyond which the run goes on."""
+    return np.asarray(table[OUTCOME] == PIER_BEYOND_LIMIT, dtype=bool)
+
+
+def _stopped(table: "pd.DataFrame") -> NDArray[np.bool_]:
+    """Return which runs ended early at a limit of a bearing, with peaks that are valid until then.
+
+    Of a run that is not physical only a torn bearing leaves valid peaks: temperatures that do not
+    exist and energy that is missing say that the numbers are wrong.
+    """
+    stopped = np.asarray(table[OUTCOME] == MELTED, dtype=bool)
+    if STRAIN in table:
+        torn = (table[OUTCOME] == NOT_PHYSICAL) & (table[STRAIN] > LARGEST_STRAIN)
+        stopped = stopped | np.asarray(torn, dtype=bool)
+    return stopped
+
+
+def _refuse_missing(values: Floats, completed: NDArray[np.bool_], demand: str) -> None:
+    """Raise InputError if a completed run has no number."""
     missing = completed & ~np.isfinite(values)
     if missing.any():
         raise InputError(
             f'{missing.sum()} of {completed.sum()} completed runs have no number in "{demand}"; '
             "select the runs that have one"
         )
-    kept = completed | exceeding
-    if not kept.any():
-        raise InputError(f"none of {len(table)} runs completed")
-    if failed == "collapse" and OUTCOME in table:
-        kept = kept | ~table[OUTCOME].isin(NEVER_RUN).to_numpy(dtype=bool)
-    # Infinite exceeds any capacity, so that quantiles and counts need no case for collapse.
-    demands = np.where(completed, values, np.inf)[kept]
-    collapsed = int(kept.sum() - completed.sum())
-    return Counted(table[kept], demands, int((~kept).sum()), collapsed, kept, completed)
 
 
 def column(table: "pd.DataFrame", name: str) -> list[Any]:
@@ -300,7 +399,7 @@ def demand_against(
     across: str = AMBIENT,
     *,
     by: Sequence[str] = (),
-    failed: Failed = "left-out",
+    failed: Failed = COMPUTED,
 ) -> "pd.DataFrame":
     """Return mean, `FRACTILES` and band of the median of a demand at each temperature.
 

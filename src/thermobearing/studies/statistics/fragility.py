@@ -25,20 +25,24 @@ spline; it begins at zero.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, NamedTuple, TypeAlias, TypedDict, Unpack, get_args
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
-from thermobearing.quantities.words import percent
+from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import (
+    COMPUTED,
+    FEW_BEYOND,
     LEVEL,
+    MOST_LEVELS,
     SAMPLES,
     Counted,
     Draw,
@@ -171,7 +175,7 @@ def ida_curves(
     intensity: str,
     by: Sequence[str] = (MOTION,),
     *,
-    failed: Failed = "left-out",
+    failed: Failed = COMPUTED,
 ) -> Ida:
     """Return curves of incremental dynamic analysis; the columns `by` identify them."""
     runs = counted(table, demand, failed)
@@ -221,8 +225,11 @@ class Fragility:
     level: float  # confidence of the bands, a share in (0, 1)
     runs: int
     counts: "pd.DataFrame"  # for each intensity `runs` and `beyond`; many intensities in classes
-    left_out: int  # number of failed runs that are left out, or count as collapse
-    collapsed: int
+    left_out: int  # number of failed runs that are left out, that count as collapse, and that
+    collapsed: int  # count with the demand that was computed
+    computed: int = 0
+    # number of runs that count and of all, at intensities where more than a few are left out
+    incomplete: Mapping[float, tuple[int, int]] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """Return method, question and median on one line; `row` has all numbers."""
@@ -245,7 +252,18 @@ class Fragility:
     @property
     def sentence(self) -> str:
         """How many runs failed and how they count."""
-        return describe_failures(self.runs + self.left_out, self.left_out, self.collapsed)
+        runs = self.runs + self.left_out
+        return describe_failures(runs, self.left_out, self.collapsed, self.computed)
+
+    @property
+    def incomplete_levels(self) -> str:
+        """At which intensities more than a few runs are left out, and how many count; or ""."""
+        unit = UNITS.get(self.intensity, "")
+        levels = sorted(self.incomplete.items())
+        texts = (
+            f"{used} of {runs} runs at {with_intensity_unit(x, unit)}" for x, (used, runs) in levels
+        )
+        return f"counted are {joined(texts)}" if levels else ""
 
     @property
     def outcome(self) -> str:
@@ -375,9 +393,11 @@ class Fragility:
             "dispersion_low": dispersion_low,
             "dispersion_high": dispersion_high,
             "runs": self.runs,
+            "all_runs": self.runs + self.left_out,
             "beyond": int(self.counts["beyond"].sum()),
             "left_out": self.left_out,
             "collapsed": self.collapsed,
+            "computed": self.computed,
             "outcome": self.outcome,
             "sentence": self.estimate.sentence or self.sentence,
         }
@@ -402,6 +422,8 @@ def combine_curves(
         counts=counts.groupby(fragilities[0].intensity, as_index=False).sum(),
         left_out=sum(curve.left_out for curve in fragilities),
         collapsed=sum(curve.collapsed for curve in fragilities),
+        computed=sum(curve.computed for curve in fragilities),
+        incomplete={},  # those of the temperatures stay with their curves
     )
 
 
@@ -409,7 +431,7 @@ class Options(TypedDict, total=False):
     """Keyword arguments of fragility curves."""
 
     method: Method  # "stripes" by default
-    failed: Failed  # failed runs are "left-out" (default), or count as "collapse"
+    failed: Failed  # treatment of failed runs: "computed" (default), "left-out" or "collapse"
     groups: str | None  # column whose values the bootstrap resamples; None: single runs
     curves: Sequence[str]  # columns that identify curves of the method "ida"
     level: float  # confidence of the bands, 0.95 by default
@@ -419,7 +441,7 @@ class Options(TypedDict, total=False):
 
 DEFAULTS: dict[str, Any] = {
     "method": "stripes",
-    "failed": "left-out",
+    "failed": COMPUTED,
     "groups": MOTION,
     "curves": (MOTION,),
     "level": LEVEL,
@@ -496,7 +518,7 @@ def _fragility(
         raise InputError(f"capacity = {capacity:g} must be greater than 0")
     if method not in get_args(Method):
         raise InputError(f'method must be "stripes", "ida" or "cloud", not {method!r}')
-    runs = counted(table, demand, failed)
+    runs = counted(table, demand, failed, capacity)
     at = positive(runs.table, intensity)
     if len(np.unique(at)) < 2:
         raise InputError(
@@ -526,7 +548,20 @@ def _fragility(
         counts=counts(at, beyond, intensity),
         left_out=runs.left_out,
         collapsed=runs.collapsed,
+        computed=runs.computed,
+        incomplete=_incomplete(table[intensity].to_numpy(dtype=float), runs.kept),
     )
+
+
+def _incomplete(at: Floats, kept: NDArray[np.bool_]) -> dict[float, tuple[int, int]]:
+    """Return the number of runs that count and of all where more than `FEW_BEYOND` are left out."""
+    levels, place = np.unique(at, return_inverse=True)
+    if len(levels) > MOST_LEVELS:
+        return {}
+    runs = np.bincount(place)
+    used = np.bincount(place, kept).astype(int)
+    rows = zip(levels.tolist(), used.tolist(), runs.tolist(), strict=True)
+    return {x: (part, count) for x, part, count in rows if count - part > FEW_BEYOND * count}
 
 
 def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Estimate:

@@ -26,7 +26,7 @@ from thermobearing.studies.statistics.demand import (
     SAMPLES,
     Draw,
     column,
-    counted,
+    computed_demand,
     equal_classes,
     percentiles,
 )
@@ -73,15 +73,13 @@ def sobol_table(
     The table has the columns `matrix` ("A", "B", "AB <factor>") and `sample`, for one combination
     of levels. The result has `first` and `total` with their bands, `rows` and `left_out`.
     """
-    runs = counted(table, demand)
+    demands = computed_demand(table, demand)
     matrix, sample = column(table, MATRIX), column(table, SAMPLE)
     factors = list(dict.fromkeys(m[len(SWAPPED) :] for m in matrix if m.startswith(SWAPPED)))
     names = ["A", "B", *(f"{SWAPPED}{factor}" for factor in factors)]
     place = {name: row for row, name in enumerate(names)}
     numbers = {value: k for k, value in enumerate(dict.fromkeys(sample))}
     values = np.full((len(names), len(numbers)), np.nan)
-    demands = np.full(len(table), np.nan)
-    demands[runs.kept] = runs.demand
     if len(table) != values.size:
         raise InputError(
             f"{len(table)} runs do not form {len(names)} matrices of {len(numbers)} samples: "
@@ -126,13 +124,12 @@ def variance_shares(
     """Return the share of the variance that each factor explains alone (correlation ratio).
 
     The factors `together` have the same draws and therefore one share. The last row is the
-    interaction, and what else no factor explains alone. Failed runs are left out, those that count
-    as collapse too: a variance needs numbers.
+    interaction, and what else no factor explains alone. Failed runs without a demand that was
+    computed to the end are left out, those that count as collapse too: a variance needs numbers.
     """
-    runs = counted(table, demand)
-    finite = np.isfinite(runs.demand)  # a run that counts as collapse has no number
-    used, left_out = runs.table[finite], runs.left_out + int((~finite).sum())
-    values = runs.demand[finite]
+    demands = computed_demand(table, demand)
+    finite = np.isfinite(demands)
+    used, left_out, values = table[finite], int((~finite).sum()), demands[finite]
     values = values - values.mean() if len(values) else values
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
