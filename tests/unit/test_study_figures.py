@@ -5,10 +5,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from numpy.testing import assert_allclose
 
 from tests.unit.made_up_study import ask, beyond_limit, drawn, made_up
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.statistics import fragility
 from thermobearing.studies.statistics.demand import counted
+from thermobearing.studies.statistics.fragility import fragility_curve
 from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
 
 
@@ -140,3 +143,58 @@ def test_a_run_that_stopped_beyond_the_capacity_exceeds_it() -> None:
     assert (runs.collapsed, runs.left_out) == (2, 2)
     assert counted(table, "pier_ductility", "left-out", 1.0).left_out == 4
     assert counted(table, "pier_ductility").left_out == 4  # without a capacity
+
+
+def test_shares_of_the_variance_lack_the_runs_that_stopped_and_say_where_they_are() -> None:
+    """A pier beyond its limits has a number; molten lead has none, at the strongest intensity."""
+    result = drawn()
+    table = result.table.copy()
+    strongest = table["Sa_m_s2"] if "Sa_m_s2" in table else table["PGA_m_s2"]
+    at_strongest = np.flatnonzero(strongest == strongest.max())[:24]
+    table["outcome"] = table["outcome"].astype(object)
+    table.loc[at_strongest, "outcome"] = "pier_beyond_limit"
+    beyond = StudyResult(table, result.study, result.manifest)
+    assert beyond.variance()["share"].tolist() == result.variance()["share"].tolist()
+    assert beyond.lost_demands() == (0, len(table), "runs", "")
+    assert not any(getattr(text, "code", "") == "variance_incomplete" for text in beyond.warnings)
+    stopped = table.assign(outcome=table["outcome"].replace("pier_beyond_limit", "lead_melted"))
+    melted = StudyResult(stopped, result.study, result.manifest)
+    lost = melted.lost_demands()
+    assert (lost.missing, lost.many) == (24, True)
+    assert lost.concentration.startswith("of 24 failed runs 24 have")
+    assert melted.variance()["left_out"].iloc[0] == 24
+    assert [text.code for text in melted.warnings if "variance" in text] == ["variance_incomplete"]
+    assert lost.sentence in melted.tables()["variance"].note
+
+
+def test_a_median_is_between_the_intensities_that_all_motions_settle(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """All runs of six motions exceed at the largest intensity, none at the smallest."""
+    exceeding = {2.0: 0, 4.0: 2, 8.0: 4, 16.0: 6}  # motions at each intensity
+    rows = [
+        {"motion": motion, "Sa": level, "drift": 4.0 if motion < motions else 1.0}
+        for motion in range(6)
+        for level, motions in exceeding.items()
+        for _ in range(4)
+    ]
+    table = pd.DataFrame(rows)
+    five = table[table["motion"] > 0]
+    row, fewer = (fragility_curve(runs, "drift", 3.0, "Sa").row() for runs in (table, five))
+    assert_allclose([row["median_low"], row["median_high"]], [2.0, 16.0])
+    monkeypatch.setattr(fragility, "_limited", lambda estimate, *_: estimate)
+    free = fragility_curve(table, "drift", 3.0, "Sa").row()
+    assert free["median_low"] < 2.0
+    assert free["median_high"] > 16.0
+    # Five motions are too few: a probability below one half is not excluded with 95 %.
+    assert fragility_curve(five, "drift", 3.0, "Sa").row() == fewer
+
+
+def test_sentences_say_that_a_median_is_of_all_intensities() -> None:
+    part = drawn()
+    sentences = ask(part, capacity=1.0).notes()
+    assert all(text[0].isupper() or text[0].isdigit() for text in sentences)
+    climate = ask(part, capacity=1.0).all_curves()["climate"]
+    assert f"{climate.median:.4g}" in sentences[1]
+    assert "over all 3 intensities" in sentences[2]
+    assert "over all" not in ask(part.select(PGA_m_s2=[4.0])).notes()[1]

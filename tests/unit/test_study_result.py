@@ -355,8 +355,11 @@ def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
 
 def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -> None:
     shares = made_up().variance()
+    note = made_up().lost_demands().sentence
     plain, doubtful = (
-        study_figures._draw_variance(shares.assign(share=shares["share"] - shift), "pier_ductility")
+        study_figures._draw_variance(
+            shares.assign(share=shares["share"] - shift), "pier_ductility", note
+        )
         for shift in (0.0, shares["share"].min() + 0.1)
     )
     assert "paired" not in plain.get_supxlabel()
@@ -544,7 +547,7 @@ def test_tables_say_their_units() -> None:
     part = ask(made_up().parts()["shen-hdr-bridge"], capacity=1.0, hazard=HAZARD)
     tables = result_tables(part)
     heads = {name: [column.title for column in table.columns] for name, table in tables.items()}
-    assert {"Median PGA [m/s²]", "Median PGA low [m/s²]"} <= set(heads["fragility"])
+    assert {"Median PGA [m/s²]", "Median PGA, 95 % low [m/s²]"} <= set(heads["fragility"])
     assert {"Rate [1/year]", "Rate high [1/year]", "Return period [year]"} <= set(heads["rates"])
     said = [part.split(": ")[1] for part in tables["fragility"].note.split("; ")]
     assert len(said) == len(set(said))

@@ -360,7 +360,7 @@ KINDS = {
 LEGEND_IN_A_ROW = 5.0  # least width of such a figure [inch]
 
 
-def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
+def _draw_variance(contributions: "pd.DataFrame", demand: str, counts: str) -> Figure:
     kinds = [kind for kind in KINDS if kind in contributions]
     by = "total" if "total" in contributions else "share"
     is_rest = contributions["factor"] == REST
@@ -384,9 +384,6 @@ def _draw_variance(contributions: "pd.DataFrame", demand: str) -> Figure:
     ax.set_yticks(places, [column_words(str(name)).replace(", ", ",\n") for name in rows["factor"]])
     ax.grid(False, axis="y")
     ax.axvline(0.0, color=drawing.GREY, linewidth=0.7)
-    failed, row_count = int(contributions["left_out"].iloc[0]), int(contributions["rows"].iloc[0])
-    kind = "samples" if "total" in contributions else "runs"
-    counts = f"{row_count} {kind}, {failed} failed and left out"
     if negative:
         counts += f"; shares below zero, which are sampling errors, are drawn as zero ({negative})"
     drawing.name_axes(ax, "share of the variance [%]")
@@ -443,7 +440,8 @@ class StudyFigures(drawing.Figures):
     def variance(self) -> Figure:
         """Draw the share of each factor in the variance of the demand."""
         demand = self._result.demand_name
-        return _draw_variance(self._result.variance(demand), demand)
+        counts = self._result.lost_demands().sentence
+        return _draw_variance(self._result.variance(demand), demand, counts)
 
     def _intensity(self) -> str:
         """Return the label of an axis of the intensity; Sa with its period and damping."""

@@ -69,11 +69,13 @@ from thermobearing.studies.statistics.hazard import (
 from thermobearing.studies.statistics.variance import (
     LEAST_ROWS,
     MATRIX,
+    Lost,
+    find_lost,
     sobol_table,
     variance_shares,
 )
 from thermobearing.studies.store import MANIFEST, STUDY, Store
-from thermobearing.studies.tables import answer, result_tables
+from thermobearing.studies.tables import answer, column_words, find_unit, result_tables
 
 FACES = ("upper_face", "lower_face", "side")
 
@@ -187,6 +189,9 @@ class StudyResult(Result):
             messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
         messages += self.beyond_ranges()
         messages += self._misfits()
+        if self.has_variance and (lost := self.lost_demands()).many:
+            sentence = f"shares of the variance: {lost.sentence}"
+            messages.append(Warned(sentence, "variance_incomplete", UNUSABLE))
         if MATRIX in self.table and not self._has_sobol_design:
             ratios = (
                 "the shares of variance are correlation ratios, not Sobol' indices, which need "
@@ -577,10 +582,20 @@ class StudyResult(Result):
         if self._has_sobol_design:
             indices = sobol_table(self.table, name)
             return indices.assign(factor=indices["factor"].replace(HOUR, AMBIENT))
+        together = self._drawn_together()
+        return variance_shares(self.table, name, self._variance_factors(), together=together)
+
+    def lost_demands(self) -> Lost:
+        """Return how many runs the variance of the demand of the question lacks, and which."""
+        factors = {name: (column_words(name), find_unit(name)) for name in self._variance_factors()}
+        demand = self.demand_name
+        return find_lost(self.table, demand, factors, sobol=self._has_sobol_design)
+
+    def _variance_factors(self) -> list[str]:
         factors = [factor for factor in self.factors if factor != HOUR]
         if self.study.factors.scale.of == "intensity":  # which with the motion determines the scale
             factors = [self.intensity if factor == "scale" else factor for factor in factors]
-        return variance_shares(self.table, name, factors, together=self._drawn_together())
+        return factors
 
     def _drawn_together(self) -> list[str]:
         """Return the factors whose draws are the same in all combinations of levels."""

@@ -10,11 +10,11 @@ from thermobearing.model.outcomes import MELTED
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
-from thermobearing.quantities.words import counted, joined, number
+from thermobearing.quantities.words import counted, joined, number, percent
 from thermobearing.report.content import words
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT, Plan
-from thermobearing.studies.statistics.demand import Failed
+from thermobearing.studies.statistics.demand import LEVEL, Failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
 from thermobearing.studies.statistics.likelihood import with_intensity_unit
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 TOO_FEW = "too few"  # motions or levels for a number
+DISPERSION_BANDS = ("dispersion_low", "dispersion_high")
 RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
 RATE_UNITS |= {"return_period_years": "year"}
@@ -95,15 +96,22 @@ def answer(result: "StudyResult") -> list[str]:
     )
     sentences = [f"{completion}{lost}."]
     parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
+    for prefix, part in parts.items() if _has_curves(result) else ():
+        sentences += _median_sentences(part, prefix)
     if AMBIENT in result.factors:
         unit = f" {find_unit(demand)}".rstrip()
+        intensities = result.table[result.intensity].nunique()
+        pooled = f", over all {intensities} intensities together" if intensities > 1 else ""
         for prefix, part in parts.items():
             rows = part.demand(demand, by=(), failed=result.question.failed).to_dict("records")
             ends = " and ".join(
                 f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
                 for row in (rows[0], rows[-1])
             )
-            sentences.append(f"{prefix}the median of the {column_words(demand)} is {ends}.")
+            the = "the" if prefix else "The"
+            sentences.append(
+                f"{prefix}{the} median of the {column_words(demand)} is {ends}{pooled}."
+            )
     if result.question.hazard is not None:
         for prefix, part in parts.items():
             curves, rates = part.find_rates()
@@ -119,8 +127,43 @@ def answer(result: "StudyResult") -> list[str]:
                 # Too few motions have no band.
                 if not rates[row["name"]].few_motions:
                     ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
+            where = where if prefix else _head(where)
             sentences.append(f"{prefix}{where}: {period}{ratio}.")
     return sentences
+
+
+def _has_curves(result: "StudyResult") -> bool:
+    """Return whether there are fragility curves: several intensities and a capacity."""
+    return result.question.capacity is not None and result.table[result.intensity].nunique() > 1
+
+
+def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
+    """Return the median intensities of the coldest and warmest curve and of all together."""
+    curves, unit = part.all_curves(), find_unit(part.intensity)
+    texts = []
+    # The first, the last temperature, and the climate if any.
+    separate = [name for name in curves if name not in TOGETHER]
+    together = [name for name in curves if name in TOGETHER]
+    for name in dict.fromkeys([*separate[:1], *separate[-1:], *together]):
+        curve = curves[name]
+        if not curve.is_drawable or curve.beyond_levels:
+            continue
+        row = curve.row()
+        band = f" ({row['median_low']:.3g} to {row['median_high']:.3g})"
+        has_band = not curve.few_motions and np.isfinite(row["median_low"])
+        stated = f"{with_intensity_unit(curve.median, unit)}{band if has_band else ''}"
+        texts.append(
+            f"{stated} at {_temperature(name)}"
+            if name not in TOGETHER
+            else f"{stated} over {'the ' * (name == CLIMATE)}{name}"
+        )
+    if not texts:
+        return []
+    the = "the" if prefix else "The"
+    return [
+        f"{prefix}{the} {column_words(part.demand_name)} exceeds {limit_words(part)} with a "
+        f"probability of one half at {column_words(part.intensity)} = {joined(texts)}."
+    ]
 
 
 def _period(rate: Rate) -> str:
@@ -155,21 +198,28 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
     if AMBIENT in result.factors:
         table = result.demand(demand, failed=question.failed)
         shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
+        ends = ("median_low", "median_high")
+        heads = shares | {end: _head(_with_level(end, percent(LEVEL))) for end in ends}
         units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
         caption = f"{column_words(demand)} by ambient temperature{_of_runs(result)}"
-        tables["demand"] = _table(table, caption, units=units, heads=shares)
-    if result.table[result.intensity].nunique() > 1 and question.capacity is not None:
+        tables["demand"] = _table(table, caption, units=units, heads=heads)
+    if _has_curves(result):
         for name, part in result.parts().items():
             tables |= _curve_tables(part, name)
     if result.has_variance:
         table = result.variance(demand)
         table["factor"] = table["factor"].map(column_words)
-        rows, failed = (int(table[name].iloc[0]) for name in ("rows", "left_out"))
-        note = f"{rows} {'samples' if 'total' in table else 'runs'}, {failed} failed and left out."
+        note = f"{result.lost_demands().sentence}."
         note = " ".join(filter(None, [note, sampling_note(table), _paired_note(table)]))
         caption = f"Shares of the variance of the {column_words(demand)}"
         tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return tables
+
+
+def _with_level(end: str, level: str) -> str:
+    """Return the words of an end of a band: "median, 95 % low"."""
+    name, _, side = end.rpartition("_")
+    return f"{name}, {level} {side}" if side in ("low", "high") else end
 
 
 def _of_runs(result: "StudyResult") -> str:
@@ -203,7 +253,11 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
-    heads = {end: _head(end.replace("median", f"median {im}")) for end in medians}
+    level = percent(next(iter(all_curves.values())).level)
+    heads = {
+        end: _head(_with_level(end, level).replace("median", f"median {im}", 1)) for end in medians
+    }
+    heads |= {end: _head(_with_level(end, level)) for end in DISPERSION_BANDS}
     units = dict.fromkeys(medians, unit)
     if unit == "m/s²":  # levels are often given in g
         in_g = table["median"] / (STANDARD_GRAVITY / 1000.0)
@@ -279,6 +333,8 @@ def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> Non
     beyond = np.array([bool(curve.beyond_levels) for curve in curves.values()])
     with_few_motions = np.array([bool(curve.few_motions) for curve in curves.values()])
     sizes = [name for name in map(str, table) if name.startswith(("median", "dispersion"))]
+    # A curve is there, but no number of it is a result.
+    table.loc[beyond & (table["outcome"] == COMPLETED), "outcome"] = "too few levels"
     _mark_cells(table, beyond, sizes)
     _mark_cells(
         table,

@@ -12,15 +12,18 @@ squared: Kelley 1935, PNAS 21: 554-559). In a full factorial design the ratios a
 add up to one.
 """
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
+from thermobearing.quantities.words import joined
 from thermobearing.studies.statistics.demand import (
+    FEW_BEYOND,
     LEVEL,
     MOST_LEVELS,
     SAMPLES,
@@ -28,6 +31,7 @@ from thermobearing.studies.statistics.demand import (
     column,
     computed_demand,
     equal_classes,
+    in_classes,
     percentiles,
 )
 
@@ -37,6 +41,7 @@ LEAST_ROWS = 8
 MOST_CLASSES = 60
 MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
 SAMPLING_ERROR = -0.05  # of the variance; a share that is nothing may be as small
+SELECTIVE = 1.5  # share of a level in the lost runs over that in all, from which it is named
 REST = "interaction and rest"  # row of the interaction of factors
 
 
@@ -162,6 +167,64 @@ def variance_shares(
         "levels": [*(int(code.max()) + 1 for code in codes), 0],
     }
     return pd.DataFrame(columns).assign(rows=len(values), left_out=left_out)
+
+
+class Lost(NamedTuple):
+    """Runs or samples that a variance lacks, since their demand was not computed to the end."""
+
+    missing: int  # number of samples of Saltelli's arrangement, of runs otherwise
+    total: int
+    unit: str  # "samples" or "runs"
+    concentration: str  # where most of the runs are: "11 of 12 runs have motion jra-i-i-3", or ""
+
+    @property
+    def many(self) -> bool:
+        """Whether they change the shares."""
+        return self.missing > FEW_BEYOND * self.total
+
+    @property
+    def sentence(self) -> str:
+        """How many are left out, where they are, and what that means where they are many."""
+        text = f"{self.total - self.missing} {self.unit}, {self.missing} failed and left out"
+        if self.many:
+            text += (
+                ": runs that stop early have the largest demands, which are missing in the shares, "
+                "and bands do not contain that error"
+            )
+        return "; ".join(filter(None, [text, self.concentration]))
+
+
+def find_lost(
+    table: "pd.DataFrame", demand: str, factors: Mapping[str, tuple[str, str]], *, sobol: bool
+) -> Lost:
+    """Return how many runs have no demand that was computed to the end, or samples of Sobol'.
+
+    `factors` are words and unit of factors by their columns.
+    """
+    lost = np.isnan(computed_demand(table, demand))
+    concentration = _concentration(table, lost, factors)
+    if not sobol:
+        return Lost(int(lost.sum()), len(table), "runs", concentration)
+    samples = table[SAMPLE]
+    return Lost(samples[lost].nunique(), samples.nunique(), "samples", concentration)
+
+
+def _concentration(
+    table: "pd.DataFrame", lost: NDArray[np.bool_], factors: Mapping[str, tuple[str, str]]
+) -> str:
+    """Return the levels of factors that have far more of the lost runs than of all runs."""
+    total, texts = int(lost.sum()), []
+    for factor, (words, unit) in factors.items() if total >= LEAST_ROWS else ():
+        runs, name = in_classes(table, factor)
+        counts = runs[name].astype(object).value_counts()
+        if len(counts) > MOST_LEVELS or len(counts) < 2:
+            continue
+        of_lost = runs[name].astype(object)[lost[runs.index]].value_counts()
+        level, most = of_lost.index[0], int(of_lost.iloc[0])
+        if most * len(table) > SELECTIVE * total * int(counts[level]):
+            stated = f"{level:.4g} {unit}".rstrip() if isinstance(level, float) else str(level)
+            texts.append(f"{most} have {words} {stated}")
+    return f"of {total} failed runs {joined(texts)}" if texts else ""
 
 
 def sampling_note(contributions: "pd.DataFrame") -> str:
