@@ -355,11 +355,9 @@ def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
 
 def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -> None:
     shares = made_up().variance()
-    note = made_up().lost_demands().sentence
+    draw = partial(study_figures._draw_variance, counts=made_up().lost_demands().sentence)
     plain, doubtful = (
-        study_figures._draw_variance(
-            shares.assign(share=shares["share"] - shift), "pier_ductility", note
-        )
+        draw(shares.assign(share=shares["share"] - shift), "pier_ductility")
         for shift in (0.0, shares["share"].min() + 0.1)
     )
     assert "paired" not in plain.get_supxlabel()

@@ -582,8 +582,8 @@ class StudyResult(Result):
         if self._has_sobol_design:
             indices = sobol_table(self.table, name)
             return indices.assign(factor=indices["factor"].replace(HOUR, AMBIENT))
-        together = self._drawn_together()
-        return variance_shares(self.table, name, self._variance_factors(), together=together)
+        factors = self._variance_factors()
+        return variance_shares(self.table, name, factors, together=self._drawn_together())
 
     def lost_demands(self) -> Lost:
         """Return how many runs the variance of the demand of the question lacks, and which."""
