@@ -46,6 +46,7 @@ from thermobearing.model.earlier import BilinearParameters
 from thermobearing.model.element import initial_stiffness
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
+from thermobearing.results.metrics import CycleMeasures
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
@@ -306,17 +307,8 @@ def _properties(
                 over_scragged = stiffness / third.stiffness_kN_mm
         if lead is not None:
             with_lead = isothermal_cycle(device, strain, speed, temperature, cycle_number, lead)
-            warm, is_stated = find_backbone(
-                device, with_lead, displacement, speed, temperature, lead
-            )
-            fall = (stiffness - with_lead.stiffness_kN_mm) * displacement
-            # Where the loop is not the bearing's own, warm lead takes its force from Q_d alone.
-            strength = loop.strength - fall if loop else math.nan
-            if is_stated and warm:
-                strength = warm.strength
-            ratio = _damping_ratio(with_lead.energy_kN_mm, with_lead.stiffness_kN_mm, displacement)
-            values = with_lead.stiffness_kN_mm, ratio, strength
-            heated = dict(zip(HEATED_COLUMNS, values, strict=True))
+            warm = find_backbone(device, with_lead, displacement, speed, temperature, lead)
+            heated = _heated(cycle, loop, with_lead, warm, displacement)
         constants = build_model(device, ModelOptions()).constants
         at_rest = initial_stiffness(constants, temperature, temperature)
         modulus = checked_modulus(device, temperature)
@@ -337,6 +329,28 @@ def _properties(
         "lead_degC": math.nan if lead is None else lead,
         **heated,
     }
+
+
+def _heated(
+    cycle: CycleMeasures,
+    loop: BilinearParameters | None,
+    with_lead: CycleMeasures,
+    warm: tuple[BilinearParameters | None, bool],
+    displacement: float,
+) -> dict[str, float]:
+    """Return stiffness, damping ratio and Q_d of a cycle with warm lead at a displacement [mm].
+
+    `loop` is that of the cycle with lead as warm as the rubber; `warm` is `find_backbone` of the
+    other. Where its loop is not stated by the bearing, warm lead takes its force from Q_d alone.
+    """
+    warm_loop, is_stated = warm
+    fall = (cycle.stiffness_kN_mm - with_lead.stiffness_kN_mm) * displacement
+    strength = loop.strength - fall if loop else math.nan
+    if is_stated and warm_loop:
+        strength = warm_loop.strength
+    ratio = _damping_ratio(with_lead.energy_kN_mm, with_lead.stiffness_kN_mm, displacement)
+    values = with_lead.stiffness_kN_mm, ratio, strength
+    return dict(zip(HEATED_COLUMNS, values, strict=True))
 
 
 def _damping_ratio(energy: float, stiffness: float, displacement: float) -> float:
