@@ -44,6 +44,13 @@ def pages(paths: list[Path], quick: tuple[str, ...]) -> list[Any]:
     ]
 
 
+@pytest.fixture(autouse=True)
+def _no_figures() -> None:
+    """Close figures of other pages: what draws into the current one would draw there."""
+    plt = pytest.importorskip("matplotlib.pyplot")
+    plt.close("all")
+
+
 def no_histories(*_: Any) -> None:
     """In place of the samples of studies, half the time of their commands; tested elsewhere."""
 
