@@ -29,9 +29,6 @@ except ImportError:  # Windows: two runs with the same target are not distinguis
     fcntl = None  # type: ignore[assignment]
 # Writers of results lock a folder for milliseconds, a study while it runs.
 PATIENCE, POLL = 2.0, 0.05  # [s]
-# Bytes that writing takes at least, netCDF and figures; HDF5, libpng and Pillow may crash where
-# they get none in the middle of their work.
-WRITING = 288 << 20
 RESERVE = 4 << 20  # bytes that removing files takes at most: four arenas of Python's allocator
 AT_FDCWD, RENAME_EXCHANGE = -100, 2  # of renameat2(2)
 
@@ -77,7 +74,6 @@ def new_sibling(final: Path) -> Iterator[Path]:
     What killed runs left there is removed too. A folder that another process keeps to itself (a
     running study) is written into as well, so that no result is lost; nothing is then removed.
     """
-    bytearray(WRITING)  # raises MemoryError before anything is written
     partial = final.parent / f"{_hidden_prefixes(final)[0]}{secrets.token_hex(4)}"
     with ExitStack() as locks:
         # Locked before the parent is free again: else another run would take it for a leftover.
