@@ -79,9 +79,13 @@ def turning_points(x: Floats, threshold: float) -> Ints:
     return np.unique([*turns, len(values) - 1]).astype(np.int64)
 
 
-def dead_band(x: Floats) -> float:
-    """Return the motion below which a displacement is jitter [mm]; 0 without noise."""
-    return min(DEAD * estimate_noise(x), LARGEST_DEAD * float(np.abs(x).max()))
+def dead_band(x: Floats, noise: float | None = None) -> float:
+    """Return the motion below which a displacement is jitter [mm]; 0 without noise.
+
+    `noise` is that of the displacement [mm], estimated by default.
+    """
+    noise = estimate_noise(x) if noise is None else noise
+    return min(DEAD * noise, LARGEST_DEAD * float(np.abs(x).max()))
 
 
 @dataclass(frozen=True)
@@ -120,12 +124,15 @@ def closing_cycles(amplitudes: Sequence[float]) -> list[bool]:
 
 def full_cycles(record: TestRecord) -> list[Cycle]:
     """Return the full cycles, from zero to zero, each beginning to the side of the first move."""
-    cycles: list[Cycle] = []
+    return [cycle for _, cycle in _numbered_cycles(record)]
+
+
+def _numbered_cycles(record: TestRecord) -> list[tuple[FoundCycle, Cycle]]:
+    """Return where each full cycle begins and ends, whether in a rest, and its level."""
+    x, cycles = record.displacement, list[tuple[FoundCycle, Cycle]]()
+    places = [place for place in found_cycles(_first_side(x) * x) if place.ends != "incomplete"]
+    amplitudes = [0.5 * float(np.ptp(x[ends.first : ends.last + 1])) for ends in places]
     last_amplitude, number = 0.0, 0
-    places = _cycle_ends(record)
-    amplitudes = [
-        0.5 * float(np.ptp(record.displacement[ends.first : ends.last + 1])) for ends in places
-    ]
     rows = zip(places, amplitudes, closing_cycles(amplitudes), strict=True)
     for ends, amplitude, closing in rows:
         # Closing cycles do not change the level: the next cycle is compared with the one before
@@ -134,7 +141,7 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
         number = number + 1 if same and not closing else 1
         if not closing:
             last_amplitude = amplitude
-        cycles.append(Cycle(ends.first, ends.last, amplitude, number, closing))
+        cycles.append((ends, Cycle(ends.first, ends.last, amplitude, number, closing)))
     return cycles
 
 
@@ -313,26 +320,14 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
     does not choose between a first cycle and a later one. It may be no full cycle; None without
     one.
     """
-    loops = [
-        _loop(record, force, ends, place, cycle.number)
-        for place, (ends, cycle) in enumerate(
-            zip(_cycle_ends(record), full_cycles(record), strict=True), start=1
-        )
+    signals, cycles = _orient(record, force), _numbered_cycles(record)
+    loops = {
+        place: _loop(signals, ends, place, cycle.number)
+        for place, (ends, cycle) in enumerate(cycles, start=1)
         if not cycle.closing
-    ]
-    loops = [loop for loop in loops if loop.test["energy"] > 0.0]
-    place = find_largest_loop(record.displacement, ALIKE)
-    if place is None:
-        return loops, None
-    # A full cycle whose excursions are those of the largest loop is that loop. Their first samples
-    # may differ: noise crosses zero more than once.
-    for loop in loops:
-        shared = min(loop.last, place[1]) - max(loop.first, place[0])
-        longer = max(loop.last - loop.first, place[1] - place[0])
-        if shared > MOSTLY * longer:
-            return loops, loop
-    largest = _loop(record, force, FoundCycle(*place, "closed", place[1]))
-    return loops, largest if largest.test["energy"] > 0.0 else None
+    }
+    loops = {place: loop for place, loop in loops.items() if loop.test["energy"] > 0.0}
+    return list(loops.values()), _largest_loop(signals, cycles, loops)
 
 
 def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
@@ -342,7 +337,7 @@ def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
     record without a loop has a peak force only.
     """
     measures = {"force": float(np.abs(force).max())}
-    _, loop = compare_loops(record, force)
+    loop = _largest_loop(_orient(record, force), _numbered_cycles(record), {})
     if loop is None:
         return measures
     return measures | {
@@ -352,20 +347,45 @@ def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
     }
 
 
-def _cycle_ends(record: TestRecord) -> list[FoundCycle]:
-    """Return where each full cycle begins and ends, and whether in a rest."""
-    cycles = found_cycles(_first_side(record.displacement) * record.displacement)
-    return [cycle for cycle in cycles if cycle.ends != "incomplete"]
+class _Signals(NamedTuple):
+    """A record and the force of the model, with the side of the first move upwards."""
+
+    side: float  # 1 or -1, by which they were multiplied
+    displacement: Floats  # [mm]
+    test: Floats  # [kN]
+    model: Floats
 
 
-def _loop(
-    record: TestRecord, force: Floats, ends: FoundCycle, cycle: int = 0, number: int = 0
-) -> Loop:
-    x = record.displacement[ends.first : ends.last + 1]
-    high, low = float(x.max()), float(x.min())
+def _orient(record: TestRecord, force: Floats) -> _Signals:
     side = _first_side(record.displacement)
-    test, test_strength = _measures(record, record.force, ends, side)
-    model, strength = _measures(record, force, ends, side)
+    return _Signals(side, side * record.displacement, side * record.force, side * force)
+
+
+def _largest_loop(
+    signals: _Signals, cycles: Sequence[tuple[FoundCycle, Cycle]], measured: Mapping[int, Loop]
+) -> Loop | None:
+    """Return the largest loop; `measured` are loops of cycles, by their places from 1."""
+    largest = find_largest_loop(signals.side * signals.displacement, ALIKE)
+    if largest is None:
+        return None
+    # A full cycle whose excursions are those of the largest loop is that loop. Their first samples
+    # may differ: noise crosses zero more than once.
+    for place, (ends, cycle) in enumerate(cycles, start=1):
+        shared = min(ends.last, largest[1]) - max(ends.first, largest[0])
+        longer = max(ends.last - ends.first, largest[1] - largest[0])
+        if not cycle.closing and shared > MOSTLY * longer:
+            loop = measured.get(place) or _loop(signals, ends, place, cycle.number)
+            if loop.test["energy"] > 0.0:
+                return loop
+    loop = _loop(signals, FoundCycle(*largest, "closed", largest[1]))
+    return loop if loop.test["energy"] > 0.0 else None
+
+
+def _loop(signals: _Signals, ends: FoundCycle, cycle: int = 0, number: int = 0) -> Loop:
+    x = signals.side * signals.displacement[ends.first : ends.last + 1]
+    high, low = float(x.max()), float(x.min())
+    test, test_strength = _measures(signals, signals.test, ends)
+    model, strength = _measures(signals, signals.model, ends)
     return Loop(
         ends.first,
         ends.last,
@@ -380,20 +400,18 @@ def _loop(
     )
 
 
-def _measures(
-    record: TestRecord, force: Floats, ends: FoundCycle, side: float
-) -> tuple[dict[str, float], float]:
+def _measures(signals: _Signals, force: Floats, ends: FoundCycle) -> tuple[dict[str, float], float]:
     """Return the extreme forces, K_eq and h_eq (Eq. 3.1, 3.2), energy and Q_d of a loop.
 
-    They are those of `measure`, between the same zeros.
+    They are those of `measure`, between the same zeros; `force` is one of the signals.
     """
-    x, f = closed_loop(side * record.displacement, side * force, ends)
+    x, f = closed_loop(signals.displacement, force, ends)
     # The size of the bearing matters to G_e only.
     loop = CycleMeasures(*measure_loop(x, f, 1.0, 1.0, math.nan, False))
     high, low = loop.force_max_kN, loop.force_min_kN
     measures = {
-        "F+": high if side > 0.0 else -low,
-        "F-": low if side > 0.0 else -high,
+        "F+": high if signals.side > 0.0 else -low,
+        "F-": low if signals.side > 0.0 else -high,
         "K_eq": loop.stiffness_kN_mm,
         "h_eq": loop.h_eq,
         "energy": loop.energy_kN_mm,

@@ -13,8 +13,6 @@ import numpy as np
 
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.cycles import (
-    DEAD,
-    LARGEST_DEAD,
     NONE,
     TURN,
     dead_band,
@@ -58,8 +56,7 @@ def find_sharp_turns(time: Floats, x: Floats) -> list[Turn]:
     sample of a sine is within 0.2 % of the peak with 50 samples per cycle.
     """
     noise, turns = _noise_of_motion(x), list[Turn]()
-    band = min(DEAD * noise, LARGEST_DEAD * float(np.abs(x).max()))
-    reversals = turning_points(x, max(TURN * float(np.abs(x).max()), band))
+    reversals = turning_points(x, max(TURN * float(np.abs(x).max()), dead_band(x, noise)))
     for k in reversals[1:-1].tolist():
         before, after = (_line_beside(time, x, k, side, noise) for side in (-1, 1))
         if before is None or after is None or before.slope * after.slope >= 0.0:
@@ -175,7 +172,11 @@ def describe_coarse_samples(record: TestRecord, d_y: float, *, also_sharp: bool 
     `d_y` is the yield displacement [mm]. Samples at sharp turns, which follow from the legs, may be
     up to d_y apart, unless the sentence is `also_sharp`.
     """
-    step, limit = step_at_reversals(record), _largest_step(record, d_y, also_sharp)
+    return _coarse_samples(record, d_y, *_step_and_limit(record, d_y, also_sharp))
+
+
+def _coarse_samples(record: TestRecord, d_y: float, step: float, limit: float) -> str:
+    """Return the sentence of `describe_coarse_samples` on a step and the largest one [mm]."""
     if step <= CLOSE * limit:
         return ""
     rate = 1.0 / float(np.median(np.diff(record.time)))
@@ -192,17 +193,18 @@ def describe_coarsest(
     records: Sequence[TestRecord], d_y: float, *, also_sharp: bool = False
 ) -> str:
     """Return the sentence on the test whose samples are the farthest apart, with its name."""
-    excesses = [step_at_reversals(r) / _largest_step(r, d_y, also_sharp) for r in records]
-    record = records[place_of_largest(excesses)]
-    coarse = describe_coarse_samples(record, d_y, also_sharp=also_sharp)
-    return f"{record.name}: {coarse}" if coarse else ""
+    steps = [_step_and_limit(record, d_y, also_sharp) for record in records]
+    worst = place_of_largest([step / limit for step, limit in steps])
+    coarse = _coarse_samples(records[worst], d_y, *steps[worst])
+    return f"{records[worst].name}: {coarse}" if coarse else ""
 
 
-def _largest_step(record: TestRecord, d_y: float, also_sharp: bool) -> float:
-    """Return the largest step at a reversal that is not reported [mm]."""
+def _step_and_limit(record: TestRecord, d_y: float, also_sharp: bool) -> tuple[float, float]:
+    """Return the step at the reversals, and the largest one that is not reported [mm]."""
+    step = step_at_reversals(record)
     # Steps that noise makes say nothing about the motion, and noise is warned of by itself.
-    noisy = step_at_reversals(record) < SURELY_STEEP * _noise_of_motion(record.displacement)
-    return d_y if noisy or (not also_sharp and _is_sharp(record)) else RESOLVED * d_y
+    noisy = step < SURELY_STEEP * _noise_of_motion(record.displacement)
+    return step, d_y if noisy or (not also_sharp and _is_sharp(record)) else RESOLVED * d_y
 
 
 def _is_sharp(record: TestRecord) -> bool:
