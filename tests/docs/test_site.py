@@ -10,6 +10,7 @@ from types import SimpleNamespace
 from typing import Any
 from urllib.parse import parse_qsl
 
+import matplotlib.pyplot as plt
 import pytest
 from matplotlib.figure import Figure
 
@@ -47,7 +48,6 @@ def pages(paths: list[Path], quick: tuple[str, ...]) -> list[Any]:
 @pytest.fixture(autouse=True)
 def _no_figures() -> None:
     """Close figures of other pages: what draws into the current one would draw there."""
-    plt = pytest.importorskip("matplotlib.pyplot")
     plt.close("all")
 
 

@@ -66,6 +66,13 @@ class Cores(Strict):
         return 0.25 * math.pi * self.diameter**2
 
 
+def rubber_modulus(bearing: Bearing) -> float:
+    """Return the shear modulus K_r t_r/A of the elastic part of the rubber [MPa], without lead."""
+    net = bearing.area - bearing.lead_area
+    stiffness = bearing.hysteresis.layer_stiffness
+    return NEWTON_PER_KILONEWTON * stiffness * bearing.geometry.rubber_thickness / net
+
+
 def extract_compound(bearing: Bearing, name: str = "") -> Compound:
     """Return the compound of a bearing.
 
@@ -75,7 +82,7 @@ def extract_compound(bearing: Bearing, name: str = "") -> Compound:
     g, h = bearing.geometry, bearing.hysteresis
     net, height = bearing.area - bearing.lead_area, g.total_rubber_thickness
     rubber = CompoundRubber(
-        shear_modulus=NEWTON_PER_KILONEWTON * h.layer_stiffness * g.rubber_thickness / net,
+        shear_modulus=rubber_modulus(bearing),
         yield_strain=h.yield_displacement / g.rubber_thickness,
         **{key: getattr(h, key) for key in WITHOUT_SIZE},
     )

@@ -69,7 +69,7 @@ def _start(
     if missing := [name for name in records if not os.path.isfile(name)]:
         raise InputError(f"tests = {missing[0]}: there is no such file")
     bridge = bridge if bridge is not None else _answer("bridge", "")
-    cold = _cold_of(ambient or _answer("ambient", AMBIENT))
+    cold = _find_cold(ambient or _answer("ambient", AMBIENT))
     text = _case_text(bearing, bridge, cold, target)
     write_file(target, text, overwrite=overwrite)
     commands = _next_commands(bearing, records, bridge, target)
@@ -120,8 +120,9 @@ def _check_bearing(bearing: str) -> None:
         raise InputError(f"{error}; derive a bearing with its sizes first: {advice}") from None
 
 
-def _cold_of(text: str) -> float:
+def _find_cold(text: str) -> float:
     """Return the cold of a site [degC]: a number, or that of a climate or of hourly weather."""
+    from thermobearing.bearing.ambient import check_temperature
     from thermobearing.climate.site import find_cold
 
     number = text.removesuffix("degC").strip()
@@ -129,9 +130,7 @@ def _cold_of(text: str) -> float:
         value = float(number)
     except ValueError:
         return float(math.floor(find_cold(text).design_temperature))
-    if not -100.0 <= value <= 100.0:  # NaN too
-        raise InputError(f"ambient = {text}: must be from -100 to 100 degC")
-    return value
+    return check_temperature(value, "ambient")
 
 
 def _case_text(bearing: str, bridge: str, cold: float, target: Path) -> str:

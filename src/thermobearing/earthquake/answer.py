@@ -8,10 +8,11 @@ import numpy as np
 
 from thermobearing import reported
 from thermobearing.bearing.library import as_bearing
+from thermobearing.bearing.scaling import rubber_modulus
 from thermobearing.bearing.sources import STIFFNESS, STRENGTH, assumed_clause
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
-from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
+from thermobearing.border.units import parse_quantity
 from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
@@ -81,9 +82,7 @@ def _stated_values(table: Mapping[str, Any]) -> dict[str, str]:
     if table.get("kind") == "bilinear":
         return {}
     bearing = as_bearing(dict(table), str(table["name"]))
-    thickness, rubber_area = bearing.geometry.rubber_thickness, bearing.area - bearing.lead_area
-    modulus = bearing.hysteresis.layer_stiffness * thickness / rubber_area
-    values = {STIFFNESS[0]: f"{NEWTON_PER_KILONEWTON * modulus:.3g} MPa"}
+    values = {STIFFNESS[0]: f"{rubber_modulus(bearing):.3g} MPa"}
     if bearing.lead is not None:
         values[STRENGTH[0]] = f"{bearing.lead.yield_stress:.3g} MPa"
     return values

@@ -138,7 +138,7 @@ def merge(parts: Sequence[Part]) -> list[Served]:
     response = {name: response_table[name].copy() for name in response_table.dtype.names or ()}
     time = np.concatenate([part.time for part in parts])
     rubber = np.concatenate([part.rubber for part in parts])
-    axial = [_axial_of(parts, place) for place in range(len(last.label.directions))]
+    axial = [_axial_columns(parts, place) for place in range(len(last.label.directions))]
     return [
         Served(
             tag=last.label.tag,
@@ -163,7 +163,7 @@ def merge(parts: Sequence[Part]) -> list[Served]:
     ]
 
 
-def _axial_of(parts: Sequence[Part], place: int) -> dict[str, Floats]:
+def _axial_columns(parts: Sequence[Part], place: int) -> dict[str, Floats]:
     """Return what the axial force does to a bearing in its first or second direction."""
     if parts[-1].axial is None:
         return {}

@@ -118,7 +118,7 @@ def answer(result: "StudyResult") -> list[str]:
             row = part.rates_table(curves, rates).iloc[-1]
             where = _temperature(row["name"])
             if row["name"] in TOGETHER:
-                where = f"over {'the ' * (where == CLIMATE)}{where}"
+                where = _over(row["name"])
             period = _period(rates[row["name"]])
             warm = _temperature(list(curves)[-1])
             ratio = ""
@@ -130,6 +130,11 @@ def answer(result: "StudyResult") -> list[str]:
             where = where if prefix else _head(where)
             sentences.append(f"{prefix}{where}: {period}{ratio}.")
     return sentences
+
+
+def _over(name: str) -> str:
+    """Return what a curve of all temperatures together is over, in words."""
+    return f"over {'the ' * (name == CLIMATE)}{name}"
 
 
 def _has_curves(result: "StudyResult") -> bool:
@@ -155,7 +160,7 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
         texts.append(
             f"{stated} at {_temperature(name)}"
             if name not in TOGETHER
-            else f"{stated} over {'the ' * (name == CLIMATE)}{name}"
+            else f"{stated} {_over(name)}"
         )
     if not texts:
         return []

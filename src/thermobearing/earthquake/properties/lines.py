@@ -153,9 +153,9 @@ def _cold_lead(device: Bearing | BilinearBearing, temperature: float) -> str:
 
     Without stated tests, that is lead colder than the temperature that its yield stress is of.
     """
-    lead = None if isinstance(device, BilinearBearing) else device.lead
-    if lead is None or isinstance(device, BilinearBearing):
+    if isinstance(device, BilinearBearing) or device.lead is None:
         return ""
+    lead = device.lead
     tested = (calibration_ranges(device) or {}).get("lead_temperature")
     coldest = lead.reference_temperature if tested is None else tested[0]
     if not temperature < coldest - SLACK_KELVIN:
