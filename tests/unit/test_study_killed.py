@@ -1,5 +1,6 @@
 """A study that is stopped in any way loses nothing and does nothing twice: real processes."""
 
+import errno
 import multiprocessing
 import os
 import shutil
@@ -8,6 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from textwrap import dedent
 from typing import Any
@@ -186,6 +188,24 @@ def test_processes_that_always_die_are_reported(
     with pytest.raises(OutputError, match="died 3 times in a row"):
         run_study(small_study(), tmp_path / "out", jobs=2, size=1)
     assert study_status(tmp_path / "out").done == 0
+
+
+def test_a_pool_that_breaks_while_it_starts_a_process_is_replaced(
+    tmp_path: Path, small_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # The pipes of the new process may be closed already by the thread that ends the pool.
+    submit = ProcessPoolExecutor.submit
+    errors = [OSError(errno.EBADF, "Bad file descriptor"), OSError("handle is closed")]
+
+    def submit_late(pool: ProcessPoolExecutor, *arguments: Any) -> Any:
+        if errors:
+            raise errors.pop()
+        return submit(pool, *arguments)
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", submit_late)
+    assert run_study(small_study(), tmp_path / "out", jobs=2, size=1).done == 8
+    assert not errors
+    assert kept(tmp_path / "out") == small_files
 
 
 @pytest.mark.thorough

@@ -107,6 +107,21 @@ def ended_by_sigterm() -> AbstractContextManager[None]:
     return _handled(_exit, signal.SIGTERM)
 
 
+def _submit(pool: ProcessPoolExecutor, call: Callable[[S, T], R], item: T) -> Future[R]:
+    """Submit one item to a pool.
+
+    Raises
+    ------
+    BrokenProcessPool
+        If the pool is broken, or breaks while it starts a process for the item: the thread that
+        manages the pool then closes the pipes which that process needs.
+    """
+    try:
+        return pool.submit(_call_with_shared, call, item)
+    except OSError as error:
+        raise BrokenProcessPool(str(error)) from error
+
+
 def call_on_processes(
     call: Callable[[S, T], R], shared: S, items: Iterable[T], jobs: int
 ) -> Generator[tuple[T, R]]:
@@ -131,7 +146,7 @@ def call_on_processes(
                 while len(running) < AHEAD * jobs and (entry := next(pending, None)) is not None:
                     number, item = entry
                     submitted[number] = item
-                    running[pool.submit(_call_with_shared, call, item)] = number
+                    running[_submit(pool, call, item)] = number
                 if not running:
                     return
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
