@@ -8,6 +8,7 @@
 #   BARE_ROOT=DIR    keep the root in this folder, and use it again if it exists; the clone is new,
 #                    and the user's cache of machine code empty, each time
 #   BARE_SUITE=trixie   another release of Debian, with another Python
+#   BARE_FILES="dist"    files and folders to take along that are not committed, such as a wheel
 # pip works inside as outside: its files, variables, certificates and local indexes are taken along.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,6 +31,9 @@ if [ ! -x "$root/usr/bin/python3" ]; then
 fi
 rm -rf "$root/project" "$root$HOME/.cache/thermobearing"
 git clone --quiet --no-hardlinks . "$root/project"
+for file in ${BARE_FILES:-}; do
+  cp --recursive --parents --dereference "$file" "$root/project"
+done
 
 # What pip and its certificates need: the files and folders that its settings name; the pages of a
 # local index, in a folder named simple, link to files beside it.

@@ -4,9 +4,13 @@
 wheel with pip, and runs the commands of README.md in an empty directory that knows nothing of the
 repository. It prints the time of each. The first Python also runs tests from the source
 distribution, and the tools that check the metadata, the citation and the conda recipe.
+
+`python tests/distribution.py --verify dist PYTHON...` installs the wheel and runs only
+`thermobearing verify`: as it is, and with a stored number that is wrong. Python alone is enough.
 """
 
 import hashlib
+import json
 import os
 import re
 import resource
@@ -18,6 +22,7 @@ import time
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 LARGEST = 5.0  # the wheel [MB]
@@ -63,6 +68,13 @@ assert thermobearing.__file__.startswith(sys.prefix), thermobearing.__file__
 assert importlib.util.find_spec("numba") is None
 assert open_library()[0] is not None, open_library()[1]
 """
+PLACE = """
+import thermobearing
+from pathlib import Path
+print(Path(thermobearing.__file__).parent / "data" / "verify" / "references.json")
+"""
+SLOWEST = 60.0  # all comparisons of `thermobearing verify` [s]
+WRONG = 5.0  # added to the stored temperature of a lead core [K]
 TOOLS = ("twine", "cffconvert", "py-rattler-build")
 RENDER = "from rattler_build import Stage0Recipe as R; print(R.from_file('recipe.yaml').render())"
 SDIST_TESTS = ("tests/unit/test_dependencies.py", "tests/unit/test_public.py", "tests/docs")
@@ -123,6 +135,7 @@ def check_wheel(wheel: Path, environment: Environment) -> None:
     """Run what README.md shows, then what needs extras: first without and then with them."""
     environment.install(str(wheel))
     environment.run("python", "-c", ORIGIN)
+    check_verify(environment)
     for command in readme_commands():
         environment.run(*command)
     (environment.work / "study.toml").write_text(STUDY, encoding="utf-8")
@@ -133,6 +146,35 @@ def check_wheel(wheel: Path, environment: Environment) -> None:
     check_needs(environment, NEEDS_AFTER)
     for line in WITH_EXTRAS:
         environment.run(*line.split())
+
+
+def check_verify(environment: Environment) -> None:
+    """Run `thermobearing verify`: all green and soon; one red row with a wrong reference."""
+    summary = verify_summary(environment, status=0)
+    verdicts = {row["check"]: row["verdict"] for row in summary["rows"]}
+    assert set(verdicts.values()) == {"green"}, verdicts
+    assert summary["seconds"] < SLOWEST, summary["seconds"]
+    print(f"{len(verdicts)} comparisons in {summary['seconds']:.1f} s, all green", flush=True)
+
+    file = Path(environment.run("python", "-c", PLACE).strip())
+    stored = file.read_text(encoding="utf-8")
+    references = json.loads(stored)
+    references["finite_elements"]["shen-lhdr-specimen"]["lead"] += WRONG
+    file.write_text(json.dumps(references), encoding="utf-8")
+    try:
+        summary = verify_summary(environment, status=1)
+    finally:
+        file.write_text(stored, encoding="utf-8")
+    red = [row["what"] for row in summary["rows"] if row["verdict"] == "red"]
+    assert len(red) == len(summary["explanations"]) == 1, summary["explanations"]
+    print(f"red with a lead core {WRONG:g} K warmer: {red[0]}", flush=True)
+
+
+def verify_summary(environment: Environment, status: int) -> dict[str, Any]:
+    """Run `thermobearing verify`, which ends with this status, and return its summary."""
+    output = environment.run("thermobearing", "verify", "--json", status=status)
+    line = next(line for line in output.splitlines() if line.startswith("{"))
+    return dict(json.loads(line))
 
 
 def check_needs(
@@ -182,5 +224,18 @@ def main(folder: Path, pythons: list[str]) -> None:
         )
 
 
+def verify(folder: Path, pythons: list[str]) -> None:
+    """Check only `thermobearing verify` of the wheel in a folder."""
+    (wheel,) = folder.glob("*.whl")
+    with tempfile.TemporaryDirectory() as name:
+        for k, python in enumerate(pythons):
+            environment = Environment(python, Path(name) / f"wheel-{k}")
+            environment.install(str(wheel))
+            check_verify(environment)
+
+
 if __name__ == "__main__":
-    main(Path(sys.argv[1]).resolve(), sys.argv[2:] or [sys.executable])
+    arguments = sys.argv[1:]
+    check = verify if arguments[0] == "--verify" else main
+    folder, *pythons = arguments[1:] if check is verify else arguments
+    check(Path(folder).resolve(), pythons or [sys.executable])
