@@ -16,6 +16,7 @@ from thermobearing.bearing.exposure import Exposure, exposed
 from thermobearing.bearing.sources import COEFFICIENTS, assumed_properties
 from thermobearing.bearing.state import RubberState, in_state
 from thermobearing.border.schema import validated
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import (
     find_backbone,
     isothermal_cycle,
@@ -297,6 +298,74 @@ def test_the_bridge_has_the_ratio_of_its_lines_and_a_longer_period_when_warm(
     stiffness = 5.0 * lines[lines["bearing"] == HDR]["K_eff_kN_mm"].to_numpy(dtype=float)
     deck = 2.0 * math.pi / np.sqrt(stiffness / mass_of_deck(pier))
     assert np.all(np.array([warm, cold]) > deck)
+
+
+def damping_of_pole(mass: Floats, stiffness: Floats, damping: Floats, frequency: float) -> float:
+    """Return the damping ratio of the complex eigenvalue of M, C and K next to a frequency."""
+    size = len(mass)
+    state = np.block(
+        [
+            [np.zeros((size, size)), np.eye(size)],
+            [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)],
+        ]
+    )
+    poles = np.linalg.eigvals(state)
+    pole = poles[np.argmin(np.abs(poles - 1j * frequency))]
+    return float(-pole.real / abs(pole))
+
+
+def first_harmonic(row: dict[str, float]) -> tuple[float, float]:
+    """Return the stiffness in phase and the loss of a bilinear loop, its first harmonics."""
+    moved, strength, core = (
+        row["design_displacement_mm"],
+        row["Q_d_kN"],
+        row["K_1_kN_mm"] - row["K_d_kN_mm"],
+    )
+    phase = (np.arange(20000) + 0.5) * np.pi / 20000
+    displacement = moved * np.cos(phase)  # half a cycle, from the peak down
+    force = row["K_d_kN_mm"] * displacement
+    force += np.maximum(strength - core * (moved - displacement), -strength)
+    return (
+        2.0 * float(np.mean(force * np.cos(phase))) / moved,
+        -2.0 * float(np.mean(force * np.sin(phase))) / moved,
+    )
+
+
+@pytest.mark.parametrize("name", quick_cases([HDR, BILINEAR], 1))
+def test_the_damping_of_pier_p1_is_that_of_complex_eigenvalues(
+    pier: EarthquakeResult, name: str
+) -> None:
+    """Its masses load the foundation as well, and (D + D_sub) of codes does not count them."""
+    lines = line_properties(pier)
+    bridges = bridge_properties(pier, lines).set_index(["bearing", "ambient_degC"])
+    case = tomllib.loads(pier.dataset.attrs["case"])
+    structure = validated(Structure, case["structure"], "structure")
+    matrices = build_matrices(structure, "consistent")
+    mass, rigid = matrices.mass, matrices.springs + hinge_stiffness(structure, matrices)
+    deck = np.eye(len(mass))[0]
+    for row in lines[lines["bearing"] == name].to_dict("records"):
+        whole = bridges.loc[(name, row["ambient_degC"])]
+        ratio, frequency = (
+            whole["effective_damping_ratio"],
+            2.0 * np.pi / whole["effective_period_s"],
+        )
+        bearings = line_stiffness(structure, matrices, np.array([row["K_eff_kN_mm"]]))
+        dashpots = 2.0 * row["h_eff"] / frequency * bearings
+        # Shares of strain energy are exact as damping vanishes: 1e-4 of it leaves errors of 1e-8.
+        small = damping_of_pole(mass, rigid + bearings, 1e-4 * dashpots, frequency) / 1e-4
+        assert_allclose(small, ratio, rtol=1e-5)
+        # What the loop itself does in a cycle: its force in phase is below K_eff D.
+        in_phase, loss = first_harmonic(row)
+        assert_allclose(loss, 2.0 * row["h_eff"] * row["K_eff_kN_mm"], rtol=1e-3)
+        each = line_stiffness(structure, matrices, np.array([1.0]))
+        of_loop = damping_of_pole(mass, rigid + in_phase * each, loss / frequency * each, frequency)
+        moved = np.linalg.solve(rigid + bearings, deck)
+        static = row["h_eff"] * (moved @ bearings @ moved) / (moved @ deck)
+        assert_allclose(ratio, of_loop, rtol=0.15)
+        assert static > 1.25 * ratio
+        assert static > 1.1 * of_loop
+        if (name, row["ambient_degC"]) == (HDR, 23.0):  # the numbers of theory.md
+            assert_allclose([ratio, of_loop, static], [0.073, 0.081, 0.098], atol=5e-4)
 
 
 def test_light_piers_lower_the_damping_as_their_displacement_does() -> None:

@@ -118,7 +118,8 @@ def _bridge_table(bridges: "pd.DataFrame") -> Table:
     source = (
         "First mode with K_eff of all bearings at their design displacement. The effective damping "
         "is that of the bearings times their share in the strain energy of this mode: other "
-        "parts of the structure store the rest. Damping of the structure is not in it. "
+        "parts of the structure store the rest. Their masses count, which the static rule of codes "
+        "with D + D_sub neglects. Damping of the structure is not in it. "
     )
     source += f"B_L{'*' if factor.unverified else ''}: {factor.source}."
     if factor.unverified:
