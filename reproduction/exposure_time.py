@@ -1,7 +1,8 @@
 """Compare K_d and Q_d of a bearing after hours in the cold with measured values in a table.
 
 The table is a TOML file such as data/yasar-2023.toml: bearing, test, and a row for each number of
-hours and temperature of the chamber. Nothing is calibrated.
+hours, temperature of the chamber and frequency. A cell is a value, or a factor on the value at the
+reference temperature. Nothing is calibrated.
 """
 
 from pathlib import Path
@@ -17,7 +18,12 @@ from thermobearing.cyclic.case import InitialState
 from thermobearing.design.factors import temperature_factors
 from thermobearing.tables.conditioning import Temperature
 
-UNITS = {"K_d": "kN/mm", "Q_d": "kN"}
+CELLS = {  # cell of a row: quantity and column of `temperature_factors`, and unit
+    "K_d": ("K_d", "value", "kN/mm"),
+    "Q_d": ("Q_d", "value", "kN"),
+    "K_d_factor": ("K_d", "factor", "1"),
+    "Q_d_factor": ("Q_d", "factor", "1"),
+}
 
 
 def _none_if_empty(value: object) -> object:
@@ -26,23 +32,37 @@ def _none_if_empty(value: object) -> object:
 
 
 EMPTY = BeforeValidator(_none_if_empty)
+Strain = Annotated[float, Field(ge=0.1, le=3)]
+Frequency = Annotated[float, in_unit("Hz"), Field(ge=0.001, le=5)]
+Factor = Annotated[float, Field(gt=0, le=100)]
 
 
 class ExposureTest(Strict):
     """Sine cycles of a test; K_d and Q_d are those of one cycle."""
 
-    strain: Annotated[float, Field(ge=0.1, le=3)]
-    period: Annotated[float, in_unit("s"), Field(ge=0.2, le=1000)]
+    strain: Strain
     cycle: Annotated[int, Field(ge=1, le=100)]
 
 
 class ExposureRow(Strict):
-    """Measured values after some hours in a chamber; None where the cell is empty."""
+    """Measured values after some hours in a chamber; None where the cell is empty.
+
+    `strain` is that of the test if it is None.
+    """
 
     ambient: Annotated[float, in_unit("degC"), Field(ge=-60, le=60)]
     conditioned: Annotated[float, in_unit("h"), Field(gt=0, le=10_000)]
+    frequency: Frequency
+    strain: Strain | None = None
     K_d: Annotated[Annotated[float, in_unit("kN/mm"), Field(gt=0)] | None, EMPTY] = None
     Q_d: Annotated[Annotated[float, in_unit("kN"), Field(gt=0)] | None, EMPTY] = None
+    K_d_factor: Factor | None = None
+    Q_d_factor: Factor | None = None
+
+    def place(self) -> str:
+        """Return what distinguishes the row."""
+        strain = "" if self.strain is None else f", {self.strain:.0%}"
+        return f"{self.ambient:g} degC, {self.conditioned:g} h, {self.frequency:g} Hz{strain}"
 
 
 class ExposureTable(Strict):
@@ -50,6 +70,7 @@ class ExposureTable(Strict):
 
     citation: Name
     bearing: Name
+    reference: Temperature
     before: Temperature
     chamber_film: Annotated[float, in_unit("W/(m^2 K)"), Field(gt=0, le=1000)] | None = None
     test: ExposureTest
@@ -57,10 +78,10 @@ class ExposureTable(Strict):
 
 
 class ExposureComparison(NamedTuple):
-    """Predicted and measured values, and a sentence for each row with empty cells."""
+    """Predicted and measured values, and a sentence for each row without one."""
 
     citation: str
-    table: pd.DataFrame  # ambient_degC, conditioned_h, quantity, unit, predicted, measured, ratio
+    table: pd.DataFrame  # ambient_degC, conditioned_h, ..., predicted, measured, ratio
     skipped: list[str]
 
 
@@ -73,47 +94,56 @@ def compare_exposure_time(path: str | Path) -> ExposureComparison:
     """
     path = Path(path)
     stated = validated(ExposureTable, read_toml(path), str(path))
-    beside = stated.bearing.endswith(".toml")
-    bearing = load_bearing(path.parent / stated.bearing if beside else stated.bearing)
     rows: list[dict[str, Any]] = []
     skipped = []
     for row in stated.rows:
-        empty = [name for name in UNITS if getattr(row, name) is None]
-        if empty:
-            place = f"{row.ambient:g} degC, {row.conditioned:g} h"
-            skipped.append(f"{place}: no measured {' and '.join(empty)} in the table; skipped.")
-        if len(empty) == len(UNITS):
+        cells = {name: getattr(row, name) for name in CELLS if getattr(row, name) is not None}
+        if not cells:
+            skipped.append(f"{row.place()}: no measured value in the table; skipped.")
             continue
-        factors = temperature_factors(
-            bearing,
-            reference_temperature=row.ambient,
-            temperatures=[row.ambient],
-            strains=[stated.test.strain],
-            period=stated.test.period,
-            cycles=[stated.test.cycle],
-            initial=InitialState(
-                conditioning={
-                    "conditioned": row.conditioned,
-                    "before": stated.before,
-                    "chamber_film": stated.chamber_film,
-                }
-            ),
-        )
-        values = factors[factors["basis"] == "mean"].set_index("quantity")["value"]
-        for name in [name for name in UNITS if name not in empty]:
-            predicted, measured = float(values[name]), getattr(row, name)
+        factors = _predicted(stated, row, path.parent)
+        for name, measured in cells.items():
+            quantity, column, unit = CELLS[name]
+            predicted = float(factors[column][quantity])
             rows.append(
                 {
                     "ambient_degC": row.ambient,
                     "conditioned_h": row.conditioned,
+                    "frequency_Hz": row.frequency,
+                    "strain": stated.test.strain if row.strain is None else row.strain,
                     "quantity": name,
-                    "unit": UNITS[name],
+                    "unit": unit,
                     "predicted": predicted,
                     "measured": measured,
                     "ratio": predicted / measured,
                 }
             )
     return ExposureComparison(stated.citation, pd.DataFrame(rows), skipped)
+
+
+def _predicted(stated: ExposureTable, row: ExposureRow, folder: Path) -> pd.DataFrame:
+    """Return value and factor of each quantity in the conditions of a row.
+
+    The reference has the same hours in a chamber at the reference temperature.
+    """
+    beside = stated.bearing.endswith(".toml")
+    factors = temperature_factors(
+        load_bearing(folder / stated.bearing if beside else stated.bearing),
+        reference_temperature=stated.reference,
+        temperatures=[row.ambient],
+        strains=[stated.test.strain if row.strain is None else row.strain],
+        period=1.0 / row.frequency,
+        cycles=[stated.test.cycle],
+        initial=InitialState(
+            conditioning={
+                "conditioned": row.conditioned,
+                "before": stated.before,
+                "chamber_film": stated.chamber_film,
+            }
+        ),
+    )
+    chosen = (factors["basis"] == "mean") & (factors["ambient_degC"] == row.ambient)
+    return factors[chosen].set_index("quantity")
 
 
 def show_exposure_time(comparison: ExposureComparison) -> None:
