@@ -115,6 +115,7 @@ def test_what_is_no_number_within_the_limit_is_red(
     item = verified("linear_pier")
     assert item.verdict == "red"
     assert item.explanation
+    assert error != 2.0 or ": 2 of the peak, limit 0.001. " in item.explanation
     assert ("no equal layer forces" in item.explanation) == (error is None)
 
 

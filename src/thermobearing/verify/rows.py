@@ -70,8 +70,8 @@ class Verified:
         """Return what is wrong with a red row; "" for a green one."""
         if self.verdict == GREEN:
             return ""
-        size = "no result" if self.error is None else f"{self.error:.1e} {self.row.unit}"
-        sentence = f"{self.row.what}: {size}, limit {self.row.limit:.1e}. {self.row.red}"
+        size = "no result" if self.error is None else f"{self.error:.2g} {self.row.unit}"
+        sentence = f"{self.row.what}: {size}, limit {self.row.limit:.2g}. {self.row.red}"
         return f"{sentence} {self.note}".strip()
 
     def entry(self) -> dict[str, Any]:
