@@ -39,12 +39,12 @@ def analyse(
     *integrator: object,
     tolerance: float = 1e-10,
     most: int = 50,
-    constraints: str = "Transformation",
+    constraints: str | tuple[object, ...] = "Transformation",
     numberer: str = "Plain",
     system: str = "BandGeneral",
 ) -> None:
     """Prepare a Newton analysis, by default a transient one with constant mean acceleration."""
-    ops.constraints(constraints)
+    ops.constraints(*((constraints,) if isinstance(constraints, str) else constraints))
     ops.numberer(numberer)
     ops.system(system)
     ops.test("NormDispIncr", tolerance, most)

@@ -340,4 +340,6 @@ OPENSEES_AXIAL = 3e-6  # vertical stiffness, shear under an axial force; its pi 
 OPENSEES_CAVITATION = 3e-6  # loops of tension, of the cavitation force
 OPENSEES_AXIAL_EARTHQUAKE = 1.5e-3  # peaks; 1.47e-3 measured, of its backward Euler step
 OPENSEES_AXIAL_LINE = 7e-3  # axial forces of five bearings, of their range
+OPENSEES_P_DELTA = 2e-4  # at a drift of 1 %: finite angles there, 9e-5 measured
+OPENSEES_P_DELTA_HISTORY = 5e-4  # of the peak, at every step: likewise, 2.4e-4 measured
 OPENSEES_STORED = 1e-4  # relative, of its own numbers: another processor or release
