@@ -1,6 +1,7 @@
 """Served bearings whose axial force, from their nodes, acts on the shear force."""
 
 import math
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -8,12 +9,23 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.core.types import Floats
-from thermobearing.model.axial import compression_constants
+from thermobearing.earthquake.axial import with_axial_outcome
+from thermobearing.model.axial import column_of, compression_constants
+from thermobearing.model.options import build_model
 from thermobearing.opensees.case import Layout, ServedCase, make_served_case
 from thermobearing.opensees.element import ServedElement
 from thermobearing.opensees.recording import ROWS_IN_MEMORY, Journal
 from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.wire import Action, Request
+from thermobearing.structure.fields import GRAVITY
+from thermobearing.structure.model import Structure
+from thermobearing.structure.run import (
+    Line,
+    PressedLine,
+    StructureHistory,
+    prepare_structure,
+    run_structure,
+)
 
 LINE, PLANE = Layout.of(1, (1,), 3, "test"), Layout.of(1, (1, 2), 3, "test")
 TOP = 6  # place of the first degree of freedom of the upper node
@@ -71,6 +83,7 @@ class Driver:
         place = np.array([x, y, 0.0, 0.0, 0.0, 0.0])
         _, tangent = self.ask(place, time)
         place[2] = -force / tangent[2, 2]
+        self.place = place
         return self.step(place, time)
 
 
@@ -157,6 +170,8 @@ def test_bolted_bearings_cavitate_and_dowelled_ones_lift(slender: tb.Bearing) ->
 
     served = case(slender, joint="dowelled")
     dowelled = Driver(ServedElement(served, LINE, 1))
+    # Before any load too it has a stiffness, with which it can take one.
+    assert dowelled.ask(0.0 * up, 0.5)[1][2, 2] == pytest.approx(stiffness)
     assert dowelled.step(up, 1.0)[2] == 0.0
     assert dowelled.step(-up, 2.0)[2] < 0.0
     dowelled.step(np.array([5.0, *up[1:]]), 3.0)
@@ -205,7 +220,15 @@ def test_a_gravity_stage_with_a_rate_presses_the_bearing(slender: tb.Bearing) ->
     assert reduced["node"][TOP] < reduced["off"][TOP]
 
 
-@pytest.mark.parametrize("given", [{"joint": "dowelled", "axial": None}, {"axial": "dead"}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"joint": "dowelled", "axial": None},
+        {"axial": "dead"},
+        {"dowel_length": 40.0},
+        {"joint": "dowelled", "dowel_length": 0.0},
+    ],
+)
 def test_options_that_do_not_fit_are_refused(slender: tb.Bearing, given: dict[str, object]) -> None:
     with pytest.raises(tb.InputError):
         case(slender, **given)
@@ -215,3 +238,83 @@ def test_an_element_without_vertical_direction_is_refused(slender: tb.Bearing) -
     with pytest.raises(tb.InputError, match="vertical"):
         case(slender).check_layout(Layout.of(1, (1,), None, "test"), "test")
     case(slender, axial="off").check_layout(Layout.of(1, (1,), None, "test"), "test")
+
+
+LIFTED_MASS, SIDEWAYS, WARM = 0.05, 1000.0, 23.0  # kN s2/mm, mm/s2, degC
+LIFT_TIME = 0.0025 * np.arange(801)  # s
+UPWARDS = 8000.0 * np.sin(20.0 * math.pi * LIFT_TIME) * np.minimum(LIFT_TIME, 1.0)  # mm/s2
+
+
+def lifting_structure(bearing: tb.Bearing, dowel_length: float) -> StructureHistory:
+    """A mass on one dowelled bearing, which lifts in a vertical motion."""
+    line = {"name": "L", "body": "deck", "base": "ground", "count": 1, "equivalent_stiffness": 2.0}
+    table = {
+        "name": "lifting",
+        "bodies": [{"name": "deck", "moves": True, "base_height": 0.0}],
+        "masses": [{"body": "deck", "height": 0.0, "mass": LIFTED_MASS}],
+        "bearings": [line],
+        "damping": {"kind": "none"},
+        "report": {"deck": "deck"},
+    }
+    constants = build_model(bearing).constants
+    pressed = PressedLine(
+        columns=column_of(bearing),
+        dead_loads=np.array([GRAVITY * LIFTED_MASS]),
+        places=np.zeros(1),
+        moves=True,
+        dowelled=True,
+        dowel_length=dowel_length,
+        mass=LIFTED_MASS,
+    )
+    start = np.full(len(constants.cells.capacity), WARM)
+    ground = SIDEWAYS * np.sin(2.0 * math.pi * LIFT_TIME) * np.minimum(LIFT_TIME, 1.0)
+    return run_structure(
+        prepare_structure(Structure(**table)),
+        [Line(constants, start, pressed=pressed)],
+        ground,
+        float(LIFT_TIME[1]),
+        np.full(len(LIFT_TIME) - 1, WARM),
+        vertical=UPWARDS,
+    )
+
+
+def sunk(force: Floats, start: float) -> Floats:
+    """Way of the mass downwards [mm], from the axial force on it, by Newmark's method."""
+    dt, way = float(LIFT_TIME[1]), [start]
+    acceleration = GRAVITY - force / LIFTED_MASS + UPWARDS
+    velocity = 0.0
+    for before, after in pairwise(acceleration):
+        way.append(way[-1] + dt * velocity + 0.25 * dt * dt * (before + after))
+        velocity += 0.5 * dt * (before + after)
+    return np.array(way)
+
+
+@pytest.mark.parametrize("longer", [0.9, 1.1])
+def test_uplift_is_that_of_a_structure(slender: tb.Bearing, longer: float) -> None:
+    """A served bearing along the way of one in a structure: force, uplift, outcome, warning."""
+    peak = lifting_structure(slender, 0.0).axial.peaks[0]
+    dowel_length = longer * float(peak.uplift)
+    structure = lifting_structure(slender, dowel_length)
+    assert structure.axial is not None
+    axial, moved = structure.axial.force[:, 0], structure.bearing()
+    served = case(slender, ambient=WARM, joint="dowelled", dowel_length=dowel_length)
+    driver = Driver(ServedElement(served, LINE, 1))
+    driver.pressed(0.0, 0.0, float(axial[0]), 1.0)
+    shortening = sunk(axial, -driver.place[2])
+    forces = []
+    for x, way, time in zip(moved["displacement"], shortening, LIFT_TIME, strict=True):
+        if time > 0.0:
+            place = np.array([x, 0.0, -way, 0.0, 0.0, 0.0])
+            forces.append(-driver.step(place, 1.0 + time)[2])
+    assert (axial == 0.0).any()
+    assert forces == pytest.approx(axial[1:], abs=1e-8 * axial.max())
+    result = ServedResult.of(served, driver.element.histories())
+    taken = result["stiffness_reduction"].values[0, 2:] * moved["displacement"][1:]
+    assert np.abs(taken).max() > 1.0
+    shear = result["force"].values[0, 2:]
+    assert shear == pytest.approx(moved["force"][1:], abs=1e-9 * np.abs(shear).max())
+    assert result.table["uplift_mm"][0] == pytest.approx(peak.uplift, rel=1e-8)
+    right = with_axial_outcome("completed", structure.axial)
+    assert result.outcome == right == ("uplift" if longer < 1.0 else "completed")
+    (warning,) = (text for text in result.warnings if getattr(text, "code", "") == "uplift")
+    assert f"first at {1.0 + peak.least_time:.4g} s" in warning

@@ -222,7 +222,7 @@ def _save_after_kill(
     "serve",
     fields(
         "opensees.case:ServedCase",
-        "ambient initial count units axial joint rate",
+        "ambient initial count units axial joint dowel_length rate",
         INPUT,
     ),
     fields("model.options:ModelOptions", "model state", MODEL),

@@ -11,7 +11,7 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.measures import pier_peaks
-from thermobearing.model.axial import AxialPeak, axial_rows, column_of
+from thermobearing.model.axial import AxialPeak, axial_rows, column_of, uplift_warning
 from thermobearing.model.checks import axial_checks, check_rows
 from thermobearing.model.outcomes import CAVITATED, NOT_PHYSICAL, UNSTABLE, UPLIFT
 from thermobearing.quantities.governing import place_of_largest
@@ -217,12 +217,7 @@ def _line_messages(history: StructureHistory, a: int, count: int) -> list[Warned
         )
     least = f", bearing {peak.least_bearing + 1:.0f} of {count} ({{run}}): "
     if peak.uplift > 0.0:
-        warn(
-            "uplift",
-            EXCEEDED,
-            f"{least}lifts, first at {peak.least_time:.4g} s; the largest uplift is "
-            f"{peak.uplift:.3g} mm",
-        )
+        messages.append(uplift_warning(least, float(peak.least_time), float(peak.uplift)))
     if peak.tension > 1.0:
         warn(
             "cavitated",

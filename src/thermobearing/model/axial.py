@@ -8,12 +8,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, Final, Literal, NamedTuple, TypeVar, cast
+from typing import Annotated, Any, Final, Literal, NamedTuple, TypeVar, cast
 
 import numpy as np
+from pydantic import Field
 
 from thermobearing.bearing.model import Bearing, CircularPlan, Geometry, LeadCores, Plan
 from thermobearing.border.library import data_path
+from thermobearing.border.schema import in_unit
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.border.units import NEWTON_PER_KILONEWTON, parse_quantity
 from thermobearing.core.axial import (
@@ -33,6 +35,8 @@ AxialFactor = Literal["overlap", "potential"]
 Joint = Literal["bolted", "dowelled"]
 BOLTED: Final[Joint] = "bolted"
 DOWELLED: Final[Joint] = "dowelled"
+DowelLength = Annotated[float, in_unit("mm"), Field(gt=0, le=1e5)]
+DOWELS_NEEDED: Final = 'dowel_length: needs joint = "dowelled"'
 
 
 @cache
@@ -309,6 +313,12 @@ def unstable_warning(run: str, peak: AxialPeak) -> Warned:
         f"({peak.force:.4g} kN, critical load {peak.limit:.4g} kN)"
     )
     return Warned(sentence, "unstable", EXCEEDED)
+
+
+def uplift_warning(bearing: str, first: float, largest: float) -> Warned:
+    """Return when a dowelled bearing lifts first [s], and its largest uplift [mm]."""
+    sentence = f"{bearing}lifts, first at {first:.4g} s; the largest uplift is {largest:.3g} mm"
+    return Warned(sentence, "uplift", EXCEEDED)
 
 
 def axial_peaks(

@@ -5,6 +5,7 @@ those of the last committed step, as in the lines of a structure: within a step,
 law of the vertical displacement alone and a constant spring.
 """
 
+import math
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from thermobearing.core.records import Floats, labels
 from thermobearing.core.types import AxialResponse
 from thermobearing.model.axial import axial_rows, column_of, tension_law
 from thermobearing.model.element import BearingElement
-from thermobearing.model.outcomes import CAVITATED, UNSTABLE
+from thermobearing.model.outcomes import CAVITATED, UNSTABLE, UPLIFT
 from thermobearing.opensees.recording import layer_temperatures
 
 SERVED_COLUMNS: Final = (  # of `AxialResponse`, that results of served bearings have
@@ -28,7 +29,8 @@ SERVED_COLUMNS: Final = (  # of `AxialResponse`, that results of served bearings
     "axial_mismatch",
 )
 SUMS: Final = ("lent", "axial_mismatch")  # over all steps
-WORST: Final = (UNSTABLE, CAVITATED, "completed")  # outcomes, that which goes before others first
+# Outcomes, that which goes before others first.
+WORST: Final = (UNSTABLE, UPLIFT, CAVITATED, "completed")
 
 
 def axial_columns() -> dict[str, dict[str, str]]:
@@ -53,14 +55,21 @@ class ServedColumn:
     ----------
     row : what the axial force does to the bearing at the last commit; lent energies since the
         start.
-    outcome : "unstable" once the axial force has exceeded the critical load, else "cavitated" once
-        the tension has exceeded the cavitation force, else "completed".
+    outcome : "unstable" once the axial force has exceeded the critical load, else "uplift" once the
+        bearing has lifted by more than its dowels are long, else "cavitated" once the tension has
+        exceeded the cavitation force, else "completed".
     """
 
     def __init__(
-        self, bearing: Bearing, element: BearingElement, *, dowelled: bool = False
+        self,
+        bearing: Bearing,
+        element: BearingElement,
+        *,
+        dowelled: bool = False,
+        dowel_length: float | None = None,
     ) -> None:
         self._columns, self._element, self._dowelled = column_of(bearing), element, dowelled
+        self._dowel_length = dowel_length or math.inf  # no uplift is a failure
         self._memory = 1.0  # largest extension so far, relative to that of cavitation
         self.outcome = "completed"
         # No axial force yet: the model is in equilibrium where its displacements are zero.
@@ -78,9 +87,9 @@ class ServedColumn:
         """Return axial force and tangent at an extension [mm] of the next step."""
         stiffness = float(self.row["vertical_stiffness"][0])
         if self._dowelled:
-            return AxialTrial(
-                *((-stiffness * extension, stiffness) if extension < 0.0 else (0.0, 0.0))
-            )
+            # Without a load yet, the model needs the stiffness in compression to take one.
+            pressed = extension <= 0.0
+            return AxialTrial(*((-stiffness * extension, stiffness) if pressed else (0.0, 0.0)))
         strength = float(self.row["cavitation_force"][0])
         pulled, tangent = tension_law(
             self._columns[0], extension, stiffness, strength, self._memory
@@ -106,6 +115,8 @@ class ServedColumn:
         """Return the outcome of the committed state alone."""
         if self.row["axial_force"][0] > self.row["critical_load"][0]:
             return UNSTABLE
+        if -self.row["shortening"][0] > self._dowel_length:
+            return UPLIFT
         # Damage begins where the extension exceeds that of cavitation.
         return CAVITATED if self._memory > 1.0 else "completed"
 

@@ -23,6 +23,9 @@ from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.case import Temperature
 from thermobearing.model.axial import (
+    DOWELLED,
+    DOWELS_NEEDED,
+    DowelLength,
     Joint,
     axial_stiffness,
     compression_modulus,
@@ -72,6 +75,8 @@ class ServedCase(Strict):
         "node", for elements with a vertical direction, whose positive side is up.
     joint : with `axial = "node"`: "bolted" (default), whose rubber cavitates in tension, or
         "dowelled", which lifts.
+    dowel_length : with `joint = "dowelled"`: uplift at which dowels come out [mm]; without it no
+        uplift is a failure.
     rate : speed [mm/s] at which a static analysis moves the bearing, in [1e-6, 1e6]. Steps without
         any velocity then last as long as this speed needs. By default the time of the model is the
         clock of the bearing in static analyses too, and must advance.
@@ -87,6 +92,7 @@ class ServedCase(Strict):
     units: UnitNames = "kN-mm"
     axial: Axial | None = None  # None: off
     joint: Joint | None = None  # None: bolted
+    dowel_length: DowelLength | None = None
     rate: Annotated[float, in_unit("mm/s"), Field(ge=1e-6, le=1e6)] | None = None
     analysis: ModelOptions = ModelOptions()
     sources: dict[str, dict[str, str]] | None = None
@@ -134,6 +140,8 @@ def make_served_case(
         faults.append('analysis.model = "bilinear": use bilinear bounds (thermobearing lambda)')
     if case.joint is not None and not case.has_axial:
         faults.append('joint: needs axial = "node"')
+    if case.dowel_length is not None and case.joint != DOWELLED:
+        faults.append(DOWELS_NEEDED)
     if case.initial is not None and case.initial_state is not None:
         faults.append("give initial or initial_state, not both")
     if faults:

@@ -83,9 +83,9 @@ class ServedElement:
         """Put new bearings at the start."""
         components = len(self.layout.directions)
         self._bearings = [self.case.new_bearing(components) for _ in self._ends]
-        dowelled = self.case.joint == DOWELLED
+        dowelled, dowel_length = self.case.joint == DOWELLED, self.case.dowel_length
         self._columns = [
-            ServedColumn(self.case.bearing, bearing, dowelled=dowelled)
+            ServedColumn(self.case.bearing, bearing, dowelled=dowelled, dowel_length=dowel_length)
             for bearing, _ in zip(self._bearings, self._vertical_ends, strict=False)
         ]
         starts = [column.row for column in self._columns] or [None] * len(self._bearings)

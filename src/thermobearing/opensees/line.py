@@ -338,6 +338,7 @@ def serve(
     units: UnitNames = "kN-mm",
     axial: Axial | None = None,
     joint: Joint | None = None,
+    dowel_length: float | None = None,
     rate: float | None = None,
     initial: float | SpecimenState | None = None,
     model: ModelOptions | str | None = None,
@@ -355,6 +356,8 @@ def serve(
     axial : whether the axial force of the nodes acts on the shear force: "off" (default) or "node",
         for elements with `vertical`.
     joint : of bearings in tension with `axial = "node"`: "bolted" (default) or "dowelled".
+    dowel_length : uplift at which dowels come out [mm], in (0, 1e5]; by default no uplift is a
+        failure.
     rate : speed of static analyses [mm/s], in [1e-6, 1e6]; needed for displacement control, where
         the time of the model is a load factor. By default the time of the model is the clock.
     initial : temperature at the start [degC], by default the ambient temperature; or the state at
@@ -387,6 +390,7 @@ def serve(
         units=units,
         axial=axial,
         joint=joint,
+        dowel_length=dowel_length,
         rate=rate,
         initial=None if state else initial,
         initial_state=initial if state else None,

@@ -37,7 +37,7 @@ def build_pieces(result: ServedResult) -> Pieces:
     case = tomllib.loads(data.attrs["case"])
     bearing_sources = case.get("sources", {}).get(case["bearing"]["name"])
     source = f"{content.TESTED_RANGE} of {case['bearing']['name']}"
-    input_keys = ("ambient", "initial", "count", "units", "axial", "joint", "rate")
+    input_keys = ("ambient", "initial", "count", "units", "axial", "joint", "dowel_length", "rate")
     range_rows = result.tested_range.to_dict("records")
     inputs: dict[str, Any] = {key: case[key] for key in input_keys if key in case}
     caption = content.figure_captions("serve")["elements"]

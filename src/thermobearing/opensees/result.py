@@ -17,7 +17,14 @@ from thermobearing.border.lazy import pd, xr
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.dataset import depth_attributes, stack_labels, stacked
 from thermobearing.cyclic.tables import energy_table
-from thermobearing.model.axial import BOLTED, DOWELLED, AxialPeak, axial_peaks, unstable_warning
+from thermobearing.model.axial import (
+    BOLTED,
+    DOWELLED,
+    AxialPeak,
+    axial_peaks,
+    unstable_warning,
+    uplift_warning,
+)
 from thermobearing.model.checks import axial_checks, check_rows, failed_checks
 from thermobearing.model.constants import LAW_RANGE, outside_law
 from thermobearing.model.earlier import BLIND
@@ -334,15 +341,19 @@ def _tested_rows(case: ServedCase, histories: Sequence[Served]) -> list[Row]:
 def _axial_findings(
     case: ServedCase, histories: Sequence[Served]
 ) -> tuple[list[dict[str, Any]], list[Warned]]:
-    """Return checks of axial forces as rows, and warnings of bearings that became unstable."""
-    rows, unstable = [], []
+    """Return checks of axial forces as rows, and warnings of bearings that buckle or lift."""
+    rows, warnings = [], []
     labelled = zip(_labels(histories), histories, _axial_peaks(histories), strict=True)
     for name, history, peaks in labelled:
         element = f"element {name}"
         rows += check_rows(element, case.bearing.name, axial_checks(peaks))
         if history.outcome == UNSTABLE:
-            unstable.append(unstable_warning(element, peaks["analysis"]))
-    return rows, unstable
+            warnings.append(unstable_warning(element, peaks["analysis"]))
+        shortening = history.axial["shortening"]
+        if case.joint == DOWELLED and shortening.min() < 0.0:
+            first = float(history.response["clock"][np.argmax(shortening < 0.0)])
+            warnings.append(uplift_warning(f"{element} ", first, -float(shortening.min())))
+    return rows, warnings
 
 
 def _attributes(
@@ -351,7 +362,7 @@ def _attributes(
     """Return provenance, warnings and the calibration range as attributes."""
     bearing, constants, names = case.bearing, model.constants, _labels(histories)
     ranges, rows = calibration_ranges(bearing), _tested_rows(case, histories)
-    checks, unstable = _axial_findings(case, histories) if case.has_axial else ([], [])
+    checks, of_axial = _axial_findings(case, histories) if case.has_axial else ([], [])
     factors = exposures([bearing], case.analysis.exposure)
     states = states_table({bearing.name: (bearing, case.analysis.state)})
     lead = constants.lead.cores * constants.lead.capacity if bearing.lead else 0.0
@@ -375,7 +386,7 @@ def _attributes(
                 *describe_states(states),
                 *_outside_law(case, names, histories),
                 *failed_checks(checks),
-                *unstable,
+                *of_axial,
                 *outside_tests(
                     bearing.name, rows, ranges, never_tested=is_never_tested(bearing.sources)
                 ),

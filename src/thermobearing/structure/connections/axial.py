@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field
 
 from thermobearing.border.schema import Strict, in_unit
-from thermobearing.model.axial import Joint
+from thermobearing.model.axial import DOWELLED, DOWELS_NEEDED, DowelLength, Joint
 from thermobearing.structure.fields import Force, Length, Stiffness
 
 ONE_OR_SEVERAL = BeforeValidator(lambda load: load if isinstance(load, list | tuple) else (load,))
@@ -37,7 +37,7 @@ class AxialTable(Strict):
     places: Annotated[tuple[Length, ...], Field(min_length=1)] | None = None
     deck_height: Annotated[float, in_unit("mm"), Field(gt=0, le=1e6)] | None = None
     joint: Joint = "bolted"
-    dowel_length: Annotated[float, in_unit("mm"), Field(gt=0, le=1e5)] | None = None
+    dowel_length: DowelLength | None = None
     mass: Annotated[float, in_unit("kN s^2/mm"), Field(ge=1e-6, le=1e5)] | None = None
     damping_ratio: Annotated[float, Field(ge=0, lt=1)] = 0.03
     span_stiffness: Stiffness | None = None
@@ -46,8 +46,8 @@ class AxialTable(Strict):
 
     @classmethod
     def _conflicts(cls, values: dict[str, object]) -> list[str]:
-        if "dowel_length" in values and values.get("joint") != "dowelled":
-            return ['dowel_length: needs joint = "dowelled"']
+        if "dowel_length" in values and values.get("joint") != DOWELLED:
+            return [DOWELS_NEEDED]
         return []
 
     def dead_loads(self, count: int) -> tuple[float, ...]:
