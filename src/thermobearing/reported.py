@@ -208,7 +208,7 @@ def residual_rows(
     gaps = analysis["scheme"] == "published" or analysis.get("model") in BLIND
     exact = analysis.get("method", "average-acceleration") == "average-acceleration"
     rows = []
-    for name in ("structure", "mechanical", "thermal"):
+    for name in ("structure", "element", "mechanical", "thermal"):
         if f"{name}_residual" not in energy:
             continue
         limit, source = RESIDUAL_LIMIT, "energy balance"

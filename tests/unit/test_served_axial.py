@@ -15,6 +15,7 @@ from thermobearing.model.options import build_model
 from thermobearing.opensees.case import Layout, ServedCase, make_served_case
 from thermobearing.opensees.element import ServedElement
 from thermobearing.opensees.recording import ROWS_IN_MEMORY, Journal
+from thermobearing.opensees.report import build_pieces
 from thermobearing.opensees.result import ServedResult
 from thermobearing.opensees.wire import Action, Request
 from thermobearing.structure.fields import GRAVITY
@@ -83,7 +84,6 @@ class Driver:
         place = np.array([x, y, 0.0, 0.0, 0.0, 0.0])
         _, tangent = self.ask(place, time)
         place[2] = -force / tangent[2, 2]
-        self.place = place
         return self.step(place, time)
 
 
@@ -118,7 +118,9 @@ def test_the_law_is_that_of_cyclic_tests(slender: tb.Bearing, layout: Layout) ->
     result = ServedResult.of(served, element.histories())
     for k in range(components):
         assert np.abs(result["force"].values[k, 1:] - right[:, k]).max() < 1e-9 * peak
-    for name in ("critical_load", "vertical_stiffness", "cavitation_force", "lent"):
+    # Works there are of the forces at the ends of steps, as in a structure.
+    assert np.abs(result.energy["element_residual"]).max() < 1e-12
+    for name in ("critical_load", "vertical_stiffness", "cavitation_force"):
         values = expected[name].values[0]
         assert result[name].values[0] == pytest.approx(values, rel=1e-9, abs=1e-9)
 
@@ -241,12 +243,13 @@ def test_an_element_without_vertical_direction_is_refused(slender: tb.Bearing) -
 
 
 LIFTED_MASS, SIDEWAYS, WARM = 0.05, 1000.0, 23.0  # kN s2/mm, mm/s2, degC
+START = 1.0  # s: of the motion, after the dead load
 LIFT_TIME = 0.0025 * np.arange(801)  # s
 UPWARDS = 8000.0 * np.sin(20.0 * math.pi * LIFT_TIME) * np.minimum(LIFT_TIME, 1.0)  # mm/s2
 
 
-def lifting_structure(bearing: tb.Bearing, dowel_length: float) -> StructureHistory:
-    """A mass on one dowelled bearing, which lifts in a vertical motion."""
+def lifting_structure(bearing: tb.Bearing, joint: str, dowel_length: float) -> StructureHistory:
+    """A mass on one bearing, which lifts or cavitates in a vertical motion."""
     line = {"name": "L", "body": "deck", "base": "ground", "count": 1, "equivalent_stiffness": 2.0}
     table = {
         "name": "lifting",
@@ -262,7 +265,7 @@ def lifting_structure(bearing: tb.Bearing, dowel_length: float) -> StructureHist
         dead_loads=np.array([GRAVITY * LIFTED_MASS]),
         places=np.zeros(1),
         moves=True,
-        dowelled=True,
+        dowelled=joint == "dowelled",
         dowel_length=dowel_length,
         mass=LIFTED_MASS,
     )
@@ -289,32 +292,69 @@ def sunk(force: Floats, start: float) -> Floats:
     return np.array(way)
 
 
+def follow_structure(
+    structure: StructureHistory, bearing: tb.Bearing, **given: object
+) -> tuple[Floats, ServedResult]:
+    """Axial forces of a served bearing along the way of one in a structure, and its result."""
+    assert structure.axial is not None
+    axial = structure.axial.force[:, 0]
+    served = case(bearing, ambient=WARM, **given)
+    driver = Driver(ServedElement(served, LINE, 1))
+    driver.pressed(0.0, 0.0, float(axial[0]), START)
+    # The first step has pressed it; its shear begins with the next one.
+    start = -float(driver.element.histories()[0].axial["shortening"][-1])
+    moved, forces = structure.bearing()["displacement"], []
+    ways = sunk(axial, -start)
+    for x, way, time in zip(moved[1:], ways[1:], LIFT_TIME[1:], strict=True):
+        place = np.array([x, 0.0, -way, 0.0, 0.0, 0.0])
+        forces.append(-driver.step(place, START + time)[2])
+    return np.array(forces), ServedResult.of(served, driver.element.histories())
+
+
 @pytest.mark.parametrize("longer", [0.9, 1.1])
 def test_uplift_is_that_of_a_structure(slender: tb.Bearing, longer: float) -> None:
-    """A served bearing along the way of one in a structure: force, uplift, outcome, warning."""
-    peak = lifting_structure(slender, 0.0).axial.peaks[0]
+    peak = lifting_structure(slender, "dowelled", 0.0).axial.peaks[0]
     dowel_length = longer * float(peak.uplift)
-    structure = lifting_structure(slender, dowel_length)
-    assert structure.axial is not None
-    axial, moved = structure.axial.force[:, 0], structure.bearing()
-    served = case(slender, ambient=WARM, joint="dowelled", dowel_length=dowel_length)
-    driver = Driver(ServedElement(served, LINE, 1))
-    driver.pressed(0.0, 0.0, float(axial[0]), 1.0)
-    shortening = sunk(axial, -driver.place[2])
-    forces = []
-    for x, way, time in zip(moved["displacement"], shortening, LIFT_TIME, strict=True):
-        if time > 0.0:
-            place = np.array([x, 0.0, -way, 0.0, 0.0, 0.0])
-            forces.append(-driver.step(place, 1.0 + time)[2])
+    structure = lifting_structure(slender, "dowelled", dowel_length)
+    forces, result = follow_structure(
+        structure, slender, joint="dowelled", dowel_length=dowel_length
+    )
+    axial = structure.axial.force[1:, 0]
     assert (axial == 0.0).any()
-    assert forces == pytest.approx(axial[1:], abs=1e-8 * axial.max())
-    result = ServedResult.of(served, driver.element.histories())
-    taken = result["stiffness_reduction"].values[0, 2:] * moved["displacement"][1:]
+    assert forces == pytest.approx(axial, abs=1e-8 * axial.max())
+    shear, right = result["force"].values[0, 2:], structure.bearing()["force"][1:]
+    assert shear == pytest.approx(right, abs=1e-9 * np.abs(right).max())
+    taken = result["stiffness_reduction"].values[0, 2:] * structure.bearing()["displacement"][1:]
     assert np.abs(taken).max() > 1.0
-    shear = result["force"].values[0, 2:]
-    assert shear == pytest.approx(moved["force"][1:], abs=1e-9 * np.abs(shear).max())
     assert result.table["uplift_mm"][0] == pytest.approx(peak.uplift, rel=1e-8)
-    right = with_axial_outcome("completed", structure.axial)
-    assert result.outcome == right == ("uplift" if longer < 1.0 else "completed")
+    outcome = with_axial_outcome("completed", structure.axial)
+    assert result.outcome == outcome == ("uplift" if longer < 1.0 else "completed")
     (warning,) = (text for text in result.warnings if getattr(text, "code", "") == "uplift")
-    assert f"first at {1.0 + peak.least_time:.4g} s" in warning
+    assert f"first at {START + peak.least_time:.4g} s" in warning
+
+
+@pytest.mark.parametrize(("joint", "outcome"), [("dowelled", "completed"), ("bolted", "cavitated")])
+def test_works_are_those_of_a_structure(slender: tb.Bearing, joint: str, outcome: str) -> None:
+    structure = lifting_structure(slender, joint, 0.0)
+    _, result = follow_structure(structure, slender, joint=joint)
+    assert result.outcome == outcome == with_axial_outcome("completed", structure.axial)
+    row, works = result.energy.iloc[0], structure.axial.energies[0]
+    pressed = result["axial_work"].values[0, 1]  # before the motion
+    dead_load = GRAVITY * LIFTED_MASS
+    assert pressed == pytest.approx(0.5 * dead_load * result["shortening"].values[0, 1])
+    assert row["axial_work_kN_mm"] - pressed == pytest.approx(works.axial_work, rel=1e-7)
+    assert row["lent_kN_mm"] == pytest.approx(works.lent, rel=1e-7)
+    # What the motion of the ground and the dead load put in, the mass and the bearing have.
+    given = works.weight + works.vertical_input - works.vertical_kinetic
+    scale = 1e-9 * works.vertical_input
+    assert row["axial_work_kN_mm"] - pressed == pytest.approx(given, abs=scale)
+    given = structure.rows.energies["input"][-1] - structure.rows.energies["kinetic"][-1]
+    shear = row["node_work_kN_mm"] - row["axial_work_kN_mm"]
+    assert shear == pytest.approx(given, rel=1e-9)
+    assert abs(row["element_residual"]) < 1e-10
+    tables = result.tables()
+    assert "axial_work_kN_mm" in [column.name for column in tables["node_works"].columns]
+    assert "axial_work_kN_mm" not in [column.name for column in tables["energy"].columns]
+    assert "node_works" in build_pieces(result).tables
+    earlier = ServedResult(result.dataset.drop_vars(["axial_work", "axial_stored"]))
+    assert list(earlier.tables()) == [name for name in tables if name != "node_works"]

@@ -26,9 +26,12 @@ SERVED_COLUMNS: Final = (  # of `AxialResponse`, that results of served bearings
     "shortening",
     "stiffness_reduction",
     "lent",
+    "axial_work",
+    "axial_stored",
     "axial_mismatch",
 )
-SUMS: Final = ("lent", "axial_mismatch")  # over all steps
+SUMS: Final = ("lent", "axial_work", "axial_mismatch")  # over all steps
+REDUCTIONS: Final = ("stiffness_reduction", "stiffness_reduction_y")  # along x, and across
 # Outcomes, that which goes before others first.
 WORST: Final = (UNSTABLE, UPLIFT, CAVITATED, "completed")
 
@@ -102,14 +105,29 @@ class ServedColumn:
         if not self._dowelled:
             stiffness, strength = self.row["vertical_stiffness"][0], self.row["cavitation_force"][0]
             self._memory = max(self._memory, float(extension * stiffness / strength))
-        sums = {name: float(self.row[name][0]) for name in SUMS}
+        before = self.row
         self._points = [self._points[-1], self._point(force)]
         self._rows = self._compute()
         self.row = self._rows[-1:].copy()
         self.row["shortening"] = -extension
-        for name, before in sums.items():
-            self.row[name] += before
+        self._set_works(before)
+        for name in SUMS:
+            self.row[name] += before[name]
         self.outcome = min(self.outcome, self._outcome(), key=WORST.index)
+
+    def _set_works(self, before: Any) -> None:
+        """Set the works of the last step, of forces and displacements at its ends.
+
+        Trapezoidal, as all works of a structure: a model of mean acceleration then balances.
+        """
+        forces = before["axial_force"] + self.row["axial_force"]
+        self.row["axial_work"] = 0.5 * forces * (self.row["shortening"] - before["shortening"])
+        (start, _, _), (end, _, _) = self._points
+        lent = 0.0
+        for name, first, last in zip(REDUCTIONS, start, end, strict=False):
+            taken = before[name][0] * first + self.row[name][0] * last
+            lent += 0.5 * taken * (last - first)
+        self.row["lent"] = lent
 
     def _outcome(self) -> str:
         """Return the outcome of the committed state alone."""

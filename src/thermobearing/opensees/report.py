@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from typing import Any
 
 from thermobearing import reported
-from thermobearing.cyclic.tables import energy_table
 from thermobearing.model.options import ModelOptions
 from thermobearing.opensees.result import ServedResult
 from thermobearing.quantities.governing import place_of_largest
@@ -40,6 +39,8 @@ def build_pieces(result: ServedResult) -> Pieces:
     input_keys = ("ambient", "initial", "count", "units", "axial", "joint", "dowel_length", "rate")
     range_rows = result.tested_range.to_dict("records")
     inputs: dict[str, Any] = {key: case[key] for key in input_keys if key in case}
+    energies = result.energy_tables()
+    energy = energies.pop("energy")
     caption = content.figure_captions("serve")["elements"]
     return content.build_pieces(
         "serve",
@@ -54,9 +55,9 @@ def build_pieces(result: ServedResult) -> Pieces:
             "serving": content.input_table("Serving", inputs, otherwise="input"),
             "analysis": reported.analysis_table(case["analysis"], ModelOptions()),
         },
-        tables={"elements": result.tables()["elements"]},
+        tables={"elements": result.tables()["elements"], **energies},
         figures={"elements": ReportFigure(caption, draw=result.plot.elements)},
-        energy=energy_table(result.energy),
+        energy=energy,
         assumptions=[
             *ASSUMPTIONS,
             SPRINGS[case.get("axial") == "node"],

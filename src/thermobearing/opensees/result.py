@@ -41,7 +41,7 @@ from thermobearing.quantities.warned import UNUSABLE, Warned
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import DATASET, RESOLVED, TABLE
-from thermobearing.results.metrics import BALANCE, balance_row
+from thermobearing.results.metrics import BALANCE, balance_row, loop_energy, relative_residual
 from thermobearing.results.ranges import Row, compare_with_tests, outside_tests, reached_by
 from thermobearing.results.writing import (
     as_attribute,
@@ -53,6 +53,14 @@ from thermobearing.results.writing import (
 )
 
 RECOVERABLE = "recoverable"
+BEARING = ("tag", "pair", "run")  # what the histories of one bearing have in common
+NODE_HISTORIES = ("displacement", "force", "shortening", "axial_force")
+AXIAL_WORKS = ("lent", "axial_work", "axial_stored")
+NODE_WORKS = "Work of the nodes on one bearing of each element"
+NODE_WORKS_NOTE = (
+    "Work of the nodes = work in - lent + vertical work. The vertical work is stored in "
+    "compression, lent to the shear, or lost in tension, but for terms of first order in the step."
+)
 AXES = "xyz"  # of the degrees of freedom 1, 2 and 3
 FAILED_SENTENCE = "An element could not be served to the end: see the warnings."
 COLUMNS = (
@@ -190,7 +198,7 @@ class ServedResult(DatasetResult):
         if "axial_force" not in self.dataset:
             return {}
         rows, data = len(self.time(run)), self.dataset.isel(element=run)
-        axial = {name: data[name].values[:rows] for name in axial_columns()}
+        axial = {name: data[name].values[:rows] for name in axial_columns() if name in data}
         # Beyond cavitation the force hardly rises, so that the extension says how far it goes.
         extension = -axial["shortening"] * axial["vertical_stiffness"] / axial["cavitation_force"]
         dowelled = self.dataset.attrs["joint"] == DOWELLED
@@ -215,8 +223,31 @@ class ServedResult(DatasetResult):
             energies = {key: float(data[key].values[run, last]) for key in BALANCE}
             # Energy that an earlier analysis left in the rubber was not put in by this one.
             energies[RECOVERABLE] -= float(data[RECOVERABLE].values[run, 0])
-            rows.append({"element": str(name), **balance_row(energies, capacity=capacity)})
+            row = {"element": str(name), **balance_row(energies, capacity=capacity)}
+            rows.append(row | self._node_works(run, energies["work_in"]))
         return pd.DataFrame(rows)
+
+    def _node_works(self, run: int, work_in: float) -> dict[str, float]:
+        """Return the works of the nodes of a bearing whose axial force acts; else nothing."""
+        if "axial_work" not in self.dataset:  # nor do earlier results have it
+            return {}
+        data, rows = self.dataset, len(self.time(run))
+        # The other direction of the same bearing has the same works.
+        same = np.all([data[name].values == data[name].values[run] for name in BEARING], axis=0)
+        histories = {name: data[name].values[:, :rows] for name in NODE_HISTORIES}
+        work = sum(
+            loop_energy(histories["displacement"][k], histories["force"][k])
+            for k in np.flatnonzero(same)
+        )
+        work += loop_energy(histories["shortening"][run], histories["axial_force"][run])
+        works = {name: float(data[name].values[run, rows - 1]) for name in AXIAL_WORKS}
+        parts = work_in, works["lent"], works["axial_work"]
+        missing = work - (work_in - works["lent"] + works["axial_work"])
+        return {
+            "node_work_kN_mm": work,
+            **{f"{name}_kN_mm": value for name, value in works.items()},
+            "element_residual": relative_residual(missing, parts),
+        }
 
     def tables(self) -> dict[str, Table]:
         """Return the extremes of all elements, and their energy balance."""
@@ -224,7 +255,18 @@ class ServedResult(DatasetResult):
         extremes = make_table(self.table, columns, "Extremes of one bearing of each element")
         extremes = with_invalid_marked(extremes, self.table, INVALID)
         checks = bearing_check_tables(self)
-        return {"elements": extremes, **checks, "energy": energy_table(self.energy)}
+        return {"elements": extremes, **checks, **self.energy_tables()}
+
+    def energy_tables(self) -> dict[str, Table]:
+        """Return the energy balance of bearings, and of the nodes where axial forces act."""
+        energy = self.energy
+        if "node_work_kN_mm" not in energy:
+            return {"energy": energy_table(energy)}
+        names = [str(name) for name in energy]
+        first = names.index("node_work_kN_mm")
+        works = ["element", "work_in_kN_mm", *names[first:]]
+        node_works = make_table(energy, works, NODE_WORKS, note=NODE_WORKS_NOTE)
+        return {"energy": energy_table(energy[names[:first]]), "node_works": node_works}
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json."""
