@@ -99,9 +99,10 @@ def bearing_words(table: Inputs) -> str:
 
     geometry, lead = table["geometry"], table.get("lead")
     plan = dict(geometry["plan"])
-    shape, layers = plan.pop("shape"), geometry["rubber_layers"]
+    shape, hole, layers = plan.pop("shape"), plan.pop("hole", None), geometry["rubber_layers"]
+    with_hole = "" if hole is None else f" with a hole of {_plain(hole)} mm"
     words = (
-        f"{shape} {' x '.join(map(_plain, plan.values()))} mm, {layers} layers of "
+        f"{shape} {' x '.join(map(_plain, plan.values()))} mm{with_hole}, {layers} layers of "
         f"{_plain(geometry['rubber_thickness'])} mm rubber"
     )
     if lead:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+import thermobearing as tb
 from tests import tolerances as tol
 from tests.conftest import Recorder
 from tests.opensees import analyse, needs_opensees, ops
@@ -23,6 +24,7 @@ from thermobearing.core.axial import (
 )
 from thermobearing.core.records import Floats
 from thermobearing.earthquake.axial import with_axial_outcome
+from thermobearing.model.axial import column_of
 
 pytestmark = needs_opensees
 
@@ -51,7 +53,7 @@ def add_element(bearing: LeadRubber, effects: tuple[int, ...], tag: int = 1) -> 
     ops.element("LeadRubberX", tag, *nodes, *rubber, *sizes, *axes, *vertical, *heat, *effects)
 
 
-def add_bearing(bearing: LeadRubber, effects: tuple[int, ...]) -> None:
+def begin() -> None:
     """Begin a model of one bearing, whose top moves along x and z."""
     ops.wipe()
     ops.model("basic", "-ndm", 3, "-ndf", 6)
@@ -60,6 +62,11 @@ def add_bearing(bearing: LeadRubber, effects: tuple[int, ...]) -> None:
     ops.fix(1, 1, 1, 1, 1, 1, 1)
     # Free along y too, where nothing happens: a model needs a free coordinate.
     ops.fix(2, 0, 0, 0, 1, 1, 1)
+
+
+def add_bearing(bearing: LeadRubber, effects: tuple[int, ...]) -> None:
+    """Begin a model of one lead rubber bearing."""
+    begin()
     add_element(bearing, effects)
 
 
@@ -113,6 +120,36 @@ def test_vertical_stiffness(offset: float, measured: Recorder) -> None:
     assert off < tol.OPENSEES_AXIAL
     measured(
         f"vertical stiffness at {offset:g} mm against LeadRubberX",
+        f"{off:.1e}",
+        f"{tol.OPENSEES_AXIAL:g}",
+    )
+
+
+RING = tb.new_bearing(
+    "ring", "shen-hdr", diameter="500 mm", hole="100 mm", layers="25x6mm", shim="3 mm"
+)
+
+
+@pytest.mark.parametrize("offset", [0.0, 150.0])
+def test_vertical_stiffness_with_a_hole(offset: float, measured: Recorder) -> None:
+    """Of a ring of rubber between plates with an open hole, against `ElastomericX`."""
+    modulus, geometry = 0.6e-3, RING.geometry
+    begin()
+    rubber = 50.0, YIELD_RATIO, modulus, BULK  # yield force, which has no effect here
+    sizes = 100.0, 500.0, geometry.shim_thickness, geometry.rubber_thickness
+    axes = (0.0, 0.0, 1.0, 1.0, 0.0, 0.0)
+    law = (10.0, 0.75, 1.0, 0.5, 0.0, 0.0, 0.0, 0, 0, 0, 1)
+    ops.element("ElastomericX", 1, 1, 2, *rubber, *sizes, geometry.rubber_layers, *axes, *law)
+    prescribe(np.concatenate([np.linspace(0.0, offset, 51)[1:], np.full(20, offset)]), 1, 2)
+    prescribe(np.concatenate([np.zeros(50), -0.05 * np.arange(1, 21)]), 3, 3)
+    force = forces_along(70)[-1, 1]
+    column = column_of(RING)[0]
+    compression = layer_compression.py_func(column, 1.0 / modulus) * RING.total_rubber_thickness
+    stiffness = vertical_stiffness.py_func(column, compression, offset, 0.0)
+    off = abs(force / (0.05 * 20) / stiffness - 1.0)
+    assert off < tol.OPENSEES_AXIAL
+    measured(
+        f"vertical stiffness with a hole at {offset:g} mm against ElastomericX",
         f"{off:.1e}",
         f"{tol.OPENSEES_AXIAL:g}",
     )

@@ -1,6 +1,7 @@
 """Bearings under an axial force: closed forms of the specification (shared/spec/axial.md, 7)."""
 
 import math
+import tomllib
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 import thermobearing as tb
 from tests.tolerances import ROUNDING
 from thermobearing.bearing.model import CircularPlan, Geometry, LeadCores, SquarePlan
+from thermobearing.border.toml import to_toml
 from thermobearing.core.axial import (
     buckling_load,
     cavitated_strength,
@@ -19,8 +21,9 @@ from thermobearing.core.axial import (
     vertical_stiffness,
 )
 from thermobearing.cyclic.case import make_case
+from thermobearing.design.factors import scaled_bearing
+from thermobearing.live.data import engine_data
 from thermobearing.model.axial import (
-    annular_section,
     axial_rows,
     axial_stiffness,
     build_column,
@@ -29,8 +32,10 @@ from thermobearing.model.axial import (
     critical_load,
     find_section,
     overlap_area,
+    second_moments,
 )
 from thermobearing.model.options import build_model
+from thermobearing.reported import bearing_words
 
 CLOSED = 1e-6  # relative: the digits of the published cases
 LEAD = LeadCores(
@@ -49,6 +54,7 @@ def _geometry(plan, layers, rubber, shim):
 
 
 BEARING_L = _geometry(CircularPlan(shape="circular", diameter=700), 22, 8.0, 3.2)
+RING = _geometry(CircularPlan(shape="circular", diameter=500, hole=100), 25, 6.0, 3.0)
 SQUARE = _geometry(SquarePlan(shape="square", side=600), 10, 12.0, 4.0)
 
 
@@ -59,22 +65,21 @@ def layer_sums(column, moduli, counts):
 
 
 @pytest.mark.parametrize(
-    ("geometry", "section", "modulus", "expected"),
+    ("geometry", "modulus", "expected"),
     [
-        (BEARING_L, None, 0.45e-3, (369451.30, 178.4657, 0.663786, 1393.391, 11629.50, 498.759)),
+        (BEARING_L, 0.45e-3, (369451.30, 178.4657, 0.663786, 1393.391, 11629.50, 498.759)),
         (
-            _geometry(CircularPlan(shape="circular", diameter=500), 25, 6.0, 3.0),
-            annular_section(500.0, 100.0, 6.0, filled=False),
+            RING,
             0.6e-3,
             (188495.56, 127.4755, 0.474007, 595.6549, 4816.997, 339.292),
         ),
-        (SQUARE, None, 0.8e-3, (360000.0, 173.2051, 0.538975, 1616.925, 19384.13, 864.0)),
+        (SQUARE, 0.8e-3, (360000.0, 173.2051, 0.538975, 1616.925, 19384.13, 864.0)),
     ],
     ids=["filled", "annular", "square"],
 )
-def test_stiffness_and_critical_load_of_plans(geometry, section, modulus, expected):
+def test_stiffness_and_critical_load_of_plans(geometry, modulus, expected):
     lead = LEAD if geometry is BEARING_L else None
-    column = build_column(geometry, lead, section=section)[0]
+    column = build_column(geometry, lead)[0]
     compression, shear, softest = layer_sums(column, [modulus], [geometry.rubber_layers])
     computed = (
         column.area,
@@ -85,10 +90,10 @@ def test_stiffness_and_critical_load_of_plans(geometry, section, modulus, expect
         column.cavitation * softest * column.area,
     )
     assert computed == pytest.approx(expected, rel=CLOSED)
-    if section is None:  # the functions of checks and springs are the same ones
-        assert compression_modulus(geometry, modulus, lead) == pytest.approx(computed[2], rel=1e-14)
-        assert axial_stiffness(geometry, modulus, lead) == pytest.approx(computed[3], rel=1e-14)
-        assert critical_load(geometry, modulus, lead) == pytest.approx(computed[4], rel=1e-14)
+    # The functions of checks and springs are the same ones.
+    assert compression_modulus(geometry, modulus, lead) == pytest.approx(computed[2], rel=1e-14)
+    assert axial_stiffness(geometry, modulus, lead) == pytest.approx(computed[3], rel=1e-14)
+    assert critical_load(geometry, modulus, lead) == pytest.approx(computed[4], rel=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -121,7 +126,44 @@ def test_offset(x, overlap, vertical, critical, kappa, of_square):
     ) == pytest.approx(of_square, rel=2e-6)
 
 
-@pytest.mark.parametrize("plan", [BEARING_L.plan, SQUARE.plan])
+def test_a_hole_is_no_part_of_the_plan():
+    """Area, shape factor, heat, stress and twist; the side that cools is the outer one."""
+    assert RING.plan.area == pytest.approx(0.25 * math.pi * (500.0**2 - 100.0**2), rel=1e-15)
+    assert RING.plan.perimeter == pytest.approx(500.0 * math.pi)
+    assert RING.first_shape_factor == pytest.approx(400.0 / (4.0 * 6.0))
+    assert find_section(RING).shape_factor == pytest.approx(RING.first_shape_factor)
+    inertia = math.pi / 64.0 * (500.0**4 - 100.0**4)
+    assert second_moments(RING.plan) == pytest.approx((inertia, inertia))
+    size = {"diameter": "500 mm", "layers": "25x6mm", "shim": "3 mm"}
+    solid, ring = (tb.new_bearing("b", "shen-hdr", **size, hole=hole) for hole in (None, "100 mm"))
+    share = ring.area / solid.area
+    assert share == pytest.approx(0.96)
+    capacities = [build_model(one).constants.cells.capacity.sum() for one in (solid, ring)]
+    assert capacities[1] == pytest.approx(0.96 * capacities[0], rel=1e-12)
+    assert ring.hysteresis.layer_stiffness == pytest.approx(0.96 * solid.hysteresis.layer_stiffness)
+    half = scaled_bearing(ring, 0.5).geometry.plan
+    assert (half.diameter, half.hole) == (250.0, 50.0)
+    table = tomllib.loads(to_toml(ring))
+    assert "circular 500 mm with a hole of 100 mm" in bearing_words(table)
+    assert tb.new_bearing("b", "shen-hdr", **size).geometry.plan.hole is None
+
+
+@pytest.mark.parametrize(
+    ("sizes", "words"),
+    [
+        ({"diameter": "500 mm", "hole": "500 mm"}, "must be less than diameter"),
+        ({"plan": "500x500mm", "hole": "100 mm"}, "needs diameter"),
+        ({"diameter": "500 mm", "hole": "0.1 mm"}, "hole"),
+        ({"diameter": "500 mm", "hole": "100 mm", "lead": "90 mm"}, "has no open hole"),
+    ],
+)
+def test_holes_that_do_not_fit_are_refused(sizes, words):
+    rubber = {"layers": "25x6mm", "shim": "3 mm"}
+    with pytest.raises(tb.InputError, match=words):
+        tb.new_bearing("b", "shen-lhdr", **rubber, **sizes)
+
+
+@pytest.mark.parametrize("plan", [BEARING_L.plan, SQUARE.plan, RING.plan])
 def test_overlap_share_is_the_overlap_area_over_the_plan(plan):
     moved = np.random.default_rng(3).uniform(-1.2, 1.2, (60, 2)) * plan.breadth
     column = build_column(_geometry(plan, 4, 10.0, 3.0))[0]
@@ -405,3 +447,11 @@ def test_refused_axial_forces(table, key):
         make_case(table, "case.toml")
     assert key in str(caught.value)
     assert "case.toml" in str(caught.value)
+
+
+def test_a_live_page_has_no_holes():
+    ring = tb.new_bearing(
+        "ring", "shen-hdr", diameter="500 mm", hole="100 mm", layers="25x6mm", shim="3 mm"
+    )
+    with pytest.raises(tb.InputError, match="hole"):
+        engine_data([(ring, build_model(ring))])

@@ -248,14 +248,19 @@ class _PlanShape(Strict):
 
     @property
     def area(self) -> float:
-        """Gross plan area [mm2]."""
+        """Plan area with that of lead cores [mm2]."""
         along, across = self._sides()
         return self._share * (along * across)
 
     @property
     def perimeter(self) -> float:
-        """[mm]"""
+        """Outer perimeter [mm]."""
         return self._share * (2.0 * sum(self._sides()))
+
+    @property
+    def inner_perimeter(self) -> float:
+        """Perimeter of an open hole [mm]."""
+        return 0.0
 
     @property
     def breadth(self) -> float:
@@ -285,11 +290,30 @@ class RectangularPlan(_PlanShape):
 
 
 class CircularPlan(_PlanShape):
-    """Circular bearing."""
+    """Circular bearing; `hole` is the diameter of an open hole along its axis, if it has one."""
 
     shape: Literal["circular"]
     diameter: PlanSize
+    hole: PlanSize | None = None
     _share: ClassVar[float] = 0.25 * math.pi
+
+    def model_post_init(self, context: Any) -> None:
+        """Compare both diameters after conversion of units."""
+        if self.hole is not None and self.hole >= self.diameter:
+            raise ValueError(
+                f"hole = {self.hole:g} mm: must be less than diameter, {self.diameter:g} mm"
+            )
+
+    @property
+    def area(self) -> float:
+        """Plan area with that of lead cores, without an open hole [mm2]."""
+        gross = super().area
+        return gross if self.hole is None else gross - self._share * self.hole**2
+
+    @property
+    def inner_perimeter(self) -> float:
+        """Perimeter of an open hole [mm]."""
+        return math.pi * (self.hole or 0.0)
 
     def _sides(self) -> tuple[float, float]:
         return self.diameter, self.diameter
@@ -327,7 +351,8 @@ class Geometry(Strict):
     @property
     def first_shape_factor(self) -> float:
         """S1: plan area over the free side area of one rubber layer."""
-        return self.plan.area / (self.plan.perimeter * self.rubber_thickness)
+        free = self.plan.perimeter + self.plan.inner_perimeter
+        return self.plan.area / (free * self.rubber_thickness)
 
     @property
     def second_shape_factor(self) -> float:
@@ -570,6 +595,8 @@ class Bearing(Sourced):
             raise ValueError(f"a {self.kind} bearing needs the tables lead and materials.lead")
         if not with_lead and self.lead is not None:
             raise ValueError('kind "HDR" has no lead; use "LHDR" or "LRB"')
+        if self.lead is not None and getattr(self.geometry.plan, "hole", None) is not None:
+            raise ValueError("geometry.plan.hole: a bearing with lead cores has no open hole")
         if self.lead_area >= self.area:
             raise ValueError(
                 f"the lead cores have an area of {self.lead_area:g} mm2, the plan only "
@@ -631,7 +658,7 @@ class Bearing(Sourced):
 
     @property
     def area(self) -> float:
-        """Gross plan area [mm2]."""
+        """Plan area with that of lead cores, without an open hole [mm2]."""
         return self.geometry.plan.area
 
     @property

@@ -33,6 +33,7 @@ def new_bearing(
     shim: str | float,
     plan: str | None = None,
     diameter: str | float | None = None,
+    hole: str | float | None = None,
     end_plate: str | float | None = None,
     sealing_plate: str | float = 0.0,
     lead: str | float | None = None,
@@ -52,6 +53,8 @@ def new_bearing(
     shim : thickness of a plate between layers [mm], in [0.05, 1000]; text needs a unit, "3 mm".
     plan : length in the direction of motion and width, "1000x1000mm"; or give `diameter`.
     diameter : diameter of a round bearing [mm], in [1, 1e5].
+    hole : diameter of an open hole along the axis of a round bearing without lead [mm], less than
+        `diameter`; none by default.
     end_plate : thickness of an end plate [mm], in [0.05, 1000]; 30 mm are assumed by default.
     sealing_plate : thickness of a plate inside each end plate [mm], in [0, 1000]; none by default.
     lead : diameter of a lead core [mm], in [0.1, 1e4]; no lead by default.
@@ -81,7 +84,7 @@ def new_bearing(
     source = as_compound(compound)
     rubber_compound = extract_compound(source) if isinstance(source, Bearing) else source
     size = {
-        "plan": _plan(plan, diameter),
+        "plan": _plan(plan, diameter, hole),
         **_layers(layers),
         "shim_thickness": shim,
         "end_plate_thickness": END_PLATE if end_plate is None else end_plate,
@@ -103,12 +106,17 @@ def new_bearing(
     return bearing.with_sources(_sources(bearing, rubber_compound, assumed_plate=end_plate is None))
 
 
-def _plan(plan: str | None, diameter: str | float | None) -> dict[str, Any]:
+def _plan(
+    plan: str | None, diameter: str | float | None, hole: str | float | None
+) -> dict[str, Any]:
     """Return the table `plan` of a bearing."""
     if (plan is None) == (diameter is None):
         raise InputError('give plan ("1000x1000mm") or diameter ("700mm")')
     if diameter is not None:
-        return {"shape": "circular", "diameter": diameter}
+        sizes = {"diameter": diameter} if hole is None else {"diameter": diameter, "hole": hole}
+        return {"shape": "circular", **sizes}
+    if hole is not None:
+        raise InputError(f'hole = "{hole}": needs diameter, of a round bearing')
     sides = _factors(str(plan))
     if sides is None:
         raise InputError(

@@ -106,7 +106,7 @@ def _check(
     "new",
     fields(
         "bearing.new:new_bearing",
-        "compound layers shim plan diameter end_plate sealing_plate lead cores confined "
+        "compound layers shim plan diameter hole end_plate sealing_plate lead cores confined "
         "end_spreading",
         compound="|Compound: library name, or TOML file of a compound or of a bearing.",
         plan='|Length in the direction of motion and width, "1000x1000mm"; or give --diameter.',

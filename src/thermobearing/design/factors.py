@@ -316,6 +316,7 @@ def _with_tested(table: "pd.DataFrame", tested: list[Row]) -> "pd.DataFrame":
     return table
 
 
+PLAN_LENGTHS = ("length", "width", "side", "diameter", "hole")
 SPECIMEN = 1.0 / 6.0
 STRAIN, COUNT, REST = 1.75, 5, 3600.0  # of the study; s
 
@@ -326,9 +327,9 @@ def scaled_bearing(bearing: Bearing | str | Path, factor: float) -> Bearing:
         raise InputError(f"factor = {factor!r}: must be a number from 0.001 to 1000")
     bearing = as_bearing(bearing)
     g = bearing.geometry
-    lengths = ("length", "width", "side", "diameter")
+    sizes = {name: getattr(g.plan, name, None) for name in PLAN_LENGTHS}
     plan = g.plan.model_copy(
-        update={name: factor * getattr(g.plan, name) for name in lengths if hasattr(g.plan, name)}
+        update={name: factor * size for name, size in sizes.items() if size is not None}
     )
     thicknesses = (
         "rubber_thickness",

@@ -142,6 +142,8 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
     for bearing, _ in models:
         if bearing.hysteresis_law is not None:
             raise InputError(f"{bearing.name}: a live page cannot have a hysteresis_law")
+        if bearing.geometry.plan.inner_perimeter:
+            raise InputError(f"{bearing.name}: a live page cannot have a plan with a hole")
     with _built():
         description = read_description(FOLDER)
     kernel_names = sorted(set(CALLED.findall(engine_source())))

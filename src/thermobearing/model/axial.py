@@ -63,9 +63,17 @@ class Section(NamedTuple):
 
 def second_moments(plan: Plan) -> tuple[float, float]:
     """Return the second moments of area of a plan about the axes along and across [mm4]."""
+    if isinstance(plan, CircularPlan) and plan.hole is not None:
+        inertia = annular_inertia(plan.diameter, plan.hole)
+        return inertia, inertia
     along, across = plan._sides()
     share = math.pi / 64.0 if isinstance(plan, CircularPlan) else 1.0 / 12.0
     return share * along * across**3, share * across * along**3
+
+
+def annular_inertia(diameter: float, hole: float) -> float:
+    """Return the second moment of area of a ring about a diameter [mm4]."""
+    return math.pi / 64.0 * (diameter**4 - hole**4)
 
 
 def annular_section(diameter: float, hole: float, thickness: float, *, filled: bool) -> Section:
@@ -81,7 +89,7 @@ def annular_section(diameter: float, hole: float, thickness: float, *, filled: b
     369451.3
     """
     area = 0.25 * math.pi * (diameter**2 - hole**2)
-    inertia = math.pi / 64.0 * (diameter**4 - hole**4)
+    inertia = annular_inertia(diameter, hole)
     factor = float(compression_constants()["compression_round"])
     if filled:
         shape_factor = area / (math.pi * diameter * thickness)
@@ -96,9 +104,12 @@ def annular_section(diameter: float, hole: float, thickness: float, *, filled: b
 def find_section(geometry: Geometry, lead: LeadCores | None = None) -> Section:
     """Return the section of a bearing.
 
-    A single lead core in the centre of a round plan is left out of it; other cores count as rubber.
+    A single lead core in the centre of a round plan is left out of it, and so is an open hole;
+    other cores count as rubber.
     """
     plan = geometry.plan
+    if isinstance(plan, CircularPlan) and plan.hole is not None:
+        return annular_section(plan.diameter, plan.hole, geometry.rubber_thickness, filled=False)
     if isinstance(plan, CircularPlan) and lead is not None and lead.cores == 1:
         return annular_section(plan.diameter, lead.diameter, geometry.rubber_thickness, filled=True)
     constants = compression_constants()
@@ -221,7 +232,8 @@ def critical_load(geometry: Geometry, shear_modulus: float, lead: LeadCores | No
 def overlap_area(plan: Plan, displacement: Floats) -> Floats:
     """Return the area of a plan that still lies above itself when the top has moved [mm2].
 
-    It is (a - abs(x)) (b - abs(y)) of a rectangle, the lens of two circles of a round plan.
+    It is (a - abs(x)) (b - abs(y)) of a rectangle, the lens of two circles of a round plan, and the
+    same share of the area of a plan with an open hole.
     `displacement` [mm] has a number for each place, or pairs (x, y) on the last axis of two
     dimensions; x is along the `length` of a rectangular plan.
 
@@ -236,7 +248,10 @@ def overlap_area(plan: Plan, displacement: Floats) -> Floats:
     if isinstance(plan, CircularPlan):
         share = np.minimum(np.hypot(pairs[..., 0], pairs[..., 1]) / along, 1.0)
         angle = 2.0 * np.arccos(share)
-        return np.asarray(0.25 * along**2 * (angle - np.sin(angle)))
+        lens = np.asarray(0.25 * along**2 * (angle - np.sin(angle)))
+        if plan.hole is not None:
+            lens *= 1.0 - (plan.hole / plan.diameter) ** 2
+        return lens
     overlap = np.maximum(np.array([along, across]) - np.abs(pairs), 0.0)
     return np.asarray(overlap[..., 0] * overlap[..., 1])
 

@@ -328,7 +328,7 @@ AnyLevel = Bearing | BilinearBearing | record.Posterior | Any  # others are foun
 ANY = "shen-bilinear-bridge"
 OF_POSTERIOR = ("posterior", "bearing", "count", "name")
 OF_COMPOUND = ("compound", "size", "name")
-SIZES = ("plan", "diameter", "layers", "shim", "end_plate", "sealing_plate", "lead")  # text
+SIZES = ("plan", "diameter", "hole", "layers", "shim", "end_plate", "sealing_plate", "lead")  # text
 OTHERS = ("cores", "confined", "end_spreading")
 
 
