@@ -292,11 +292,9 @@ def _fill_section(
     section.span = (places * places).sum()
     section.offset, section.offset_moment = section.weight / stiffness, section.moment / stiffness
     section.overlap = 1.0  # without displacement
-    for i, (force, place) in enumerate(zip(load.dead_loads, places, strict=True)):
-        support = supports[i]
-        support.place, support.memory = place, 1.0
-        support.offset = support.shortening = force / stiffness
-        support.axial_force = support.largest = support.least = force
+    supports["place"], supports["memory"] = places, 1.0
+    supports["offset"] = supports["shortening"] = load.dead_loads / stiffness
+    supports["axial_force"] = supports["largest"] = supports["least"] = load.dead_loads
     peak.first = peak.falling = -1.0
     peak.least = load.dead_loads.min()
 
