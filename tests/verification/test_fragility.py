@@ -153,6 +153,48 @@ def test_cloud_with_collapse_has_five_parameters() -> None:
     assert found.collapsed > found.left_out == 0
 
 
+@pytest.mark.parametrize("collapse_at", [0.8, 1.6, 6.0])
+def test_numbers_of_a_cloud_with_collapse_are_those_of_its_whole_curve(collapse_at: float) -> None:
+    """Collapse before, at and after the capacity: the median is where the curve is one half."""
+    rng = np.random.default_rng(4)
+    motion = np.repeat(np.arange(12), 60)
+    im = np.exp(rng.normal(0.0, 0.8, motion.size))
+    drift = im * np.exp(0.3 * rng.normal(size=motion.size))
+    steepness = 4.0 * (np.log(im) - np.log(collapse_at))
+    outcome = np.where(
+        rng.random(motion.size) < 1.0 / (1.0 + np.exp(-steepness)), "not_converged", "completed"
+    )
+    table = pd.DataFrame({"motion": motion, "im": im, "drift": drift, "outcome": outcome})
+    curve = fragility_curve(table, "drift", 1.5, "im", method="cloud", failed="collapse")
+    assert curve.collapsed > 0
+    assert curve.probability(curve.median)[0] == pytest.approx(0.5, rel=tolerances.LIKELIEST)
+    grid = np.exp(np.linspace(-6.0, 6.0, 200001))
+    low, middle, high = np.interp(norm.cdf([-1.0, 0.0, 1.0]), curve.probability(grid), np.log(grid))
+    assert np.log(curve.median) == pytest.approx(middle, abs=tolerances.OF_A_GRID)
+    assert curve.dispersion == pytest.approx(0.5 * (high - low), abs=tolerances.OF_A_GRID)
+    # The medians of the band are those of the curves that it is made of.
+    row = curve.row()
+    ends = np.array([row["median_low"], row["median_high"]])
+    assert row["median_low"] < curve.median < row["median_high"]
+    medians = np.exp(curve.estimate.medians)
+    at_one_half = np.diag(curve.family(medians))
+    assert at_one_half == pytest.approx(np.full(len(medians), 0.5), rel=tolerances.LIKELIEST)
+    assert np.isin(ends, medians).all()
+
+
+def test_collapse_at_any_intensity_has_no_end_of_a_curve() -> None:
+    """Of runs that collapse by chance: 30 % at every intensity leave no intensity with 16 %."""
+    rng = np.random.default_rng(6)
+    im = np.tile(np.geomspace(0.1, 10.0, 20), 20)
+    drift = im * np.exp(0.2 * rng.normal(size=im.size))
+    fell = np.repeat(np.arange(20), 20) % 10 < 3
+    table = pd.DataFrame({"im": im, "drift": drift, "outcome": "completed"})
+    table.loc[fell, "outcome"] = "not_converged"
+    curve = fragility_curve(table, "drift", 1.5, "im", method="cloud", failed="collapse", samples=9)
+    assert curve.probability(curve.median)[0] == pytest.approx(0.5, rel=tolerances.LIKELIEST)
+    assert curve.dispersion == np.inf
+
+
 def test_curves_of_temperatures_share_their_motions() -> None:
     """The median of the cold is 0.8 of the warm one, motion by motion: so in every sample."""
     rng = np.random.default_rng(2)

@@ -270,10 +270,12 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
         heads["median_g"], units["median_g"] = heads["median"], "g"
     _mark_too_few(table, all_curves)
     demand = f"{column_words(part.demand_name)} above {limit_words(part)}"
+    mixed = any(curve.mixture for curve in all_curves.values())
+    kind = "fragility" if mixed else "lognormal fragility"
     tables = {
         f"fragility{ending}": _table(
             table.drop(columns=IN_CAPTION),
-            f"{demand}: lognormal fragility by {part.question.method}{of}{_of_runs(part)}",
+            f"{demand}: {kind} by {part.question.method}{of}{_of_runs(part)}",
             units=units,
             heads=heads
             | {
@@ -325,7 +327,13 @@ def _curve_notes(
     for level, curve in curves.items():
         # The numbers of a misfit, which differ from curve to curve, are in the warnings.
         misfit = curve.misfit.partition(":")[0]
-        texts = (curve.incomplete_levels, curve.beyond_levels, curve.wide_bands, misfit)
+        texts = (
+            curve.incomplete_levels,
+            curve.beyond_levels,
+            curve.wide_bands,
+            curve.mixture,
+            misfit,
+        )
         for text in filter(None, texts):
             notes.setdefault(text, []).append(_temperature(level))
     if CLIMATE in curves:

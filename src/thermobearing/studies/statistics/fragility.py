@@ -57,6 +57,7 @@ from thermobearing.studies.statistics.demand import (
 )
 from thermobearing.studies.statistics.likelihood import (
     FLAT,
+    LARGEST_LOGARITHM,
     Estimate,
     cloud,
     counts,
@@ -72,9 +73,12 @@ FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 MOTION = "motion"
 LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
-LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
 LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
+WITH_COLLAPSE = (
+    "with collapse the curve is not lognormal: the median is where it is one half, the dispersion "
+    "half of ln(im_84/im_16) of the intensities where it has 84 and 16 %"
+)
 NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
 UNITS = {name: INTENSITY_UNITS[measure].replace("^2", "²") for measure, name in COLUMNS.items()}
 
@@ -275,7 +279,7 @@ class Fragility:
         """Intensity with a probability of one half; NaN where a curve has no lognormal form."""
         if not all(estimate.known for _, estimate in self.parts):
             return np.nan
-        medians = [float(np.exp(estimate.best.place[0])) for _, estimate in self.parts]
+        medians = [float(np.exp(estimate.median)) for _, estimate in self.parts]
         low, high = min(medians), max(medians)
         if low == high:
             return low
@@ -283,9 +287,18 @@ class Fragility:
 
     @property
     def dispersion(self) -> float:
-        """Standard deviation of the logarithm of the capacity, in intensity; NaN for a climate."""
-        is_lognormal = self.estimate.known and len(self.parts) == 1
-        return float(1.0 / self.estimate.best.slope[0]) if is_lognormal else np.nan
+        """Standard deviation of the logarithm of the capacity, in intensity; NaN for a climate.
+
+        Of a cloud with collapse, half the logarithm of the ratio of the intensities at which the
+        curve has 84 and 16 %.
+        """
+        is_one = self.estimate.known and len(self.parts) == 1
+        return self.estimate.dispersion if is_one else np.nan
+
+    @property
+    def mixture(self) -> str:
+        """How the median and the dispersion of a cloud with collapse are defined; "" of others."""
+        return WITH_COLLAPSE if self.estimate.collapse is not None else ""
 
     @property
     def is_drawable(self) -> bool:
@@ -364,20 +377,18 @@ class Fragility:
 
     def row(self) -> dict[str, Any]:
         """Return the parameters of one lognormal curve with their bands, as a row of a table."""
-        samples = self.estimate.samples
         median_low = median_high = dispersion_low = dispersion_high = np.nan
         # The mean of several curves is no lognormal one, and has no band of its parameters.
         is_one = len(self.parts) == 1
         if is_one and self.outcome in (COMPLETED, NONE_BEYOND):
             # A sample in which no run exceeds the capacity has an infinite place, and so may the
             # end of the band.
-            medians = np.exp(np.minimum(samples.place, LARGEST_LOGARITHM))
+            medians = np.exp(np.minimum(self.estimate.medians, LARGEST_LOGARITHM))
             median_low, median_high = (float(end[0]) for end in self.ends(medians[:, None]))
             if not (median_high < np.exp(LARGEST_LOGARITHM) and self.estimate.known):
                 median_high = np.inf
         if is_one and self.estimate.known:
-            with np.errstate(divide="ignore"):
-                ends = self.ends((1.0 / samples.slope)[:, None])
+            ends = self.ends(self.estimate.dispersions[:, None])
             dispersion_low, dispersion_high = (float(end[0]) for end in ends)
             # Beyond half the dispersion of a flat curve, the end is that of flat curves.
             if dispersion_high >= 0.5 / FLAT:

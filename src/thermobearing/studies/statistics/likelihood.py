@@ -44,6 +44,8 @@ FLAT = 1e-6  # slope of a curve that does not rise
 UNREACHED = 0.6  # assumed dispersion of a capacity that no motion reached
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
 STEEPEST = 3.0  # limit of the dispersion of an estimate over that of a bootstrap curve
+LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
+BISECTIONS = 60
 SAME = 1e-12  # difference of logarithms by rounding
 MOST_STRIPES = 200  # more intensities are put into as many classes
 MORE_BETWEEN = "no run exceeds the capacity up to {0}, all do from {1}: add intensities between"
@@ -70,13 +72,21 @@ class Curves:
 
     def probability(self, im: Floats) -> Floats:
         """Return the probability of exceedance at intensities, shape (curves, intensities)."""
-        distance = np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None]
+        return self._at_distance(np.log(np.asarray(im, dtype=float))[None, :] - self.place[:, None])
+
+    def _at_distance(self, distance: Floats) -> Floats:
+        """Return the probability of each curve at distances of ln im from its median."""
         jump = np.isinf(self.slope)[:, None]
         steep = np.where(jump, 1.0, self.slope[:, None])
         score = np.where(jump & (distance != 0.0), np.copysign(np.inf, distance), steep * distance)
         return np.asarray(
             scipy.special.ndtr(score) if self.link == "probit" else scipy.special.expit(score)
         )
+
+    def logarithm_at(self, share: float) -> Floats:
+        """Return the logarithm of the intensity at which each curve has a probability."""
+        inverse = scipy.special.ndtri if self.link == "probit" else scipy.special.logit
+        return np.asarray(self.place + inverse(share) / self.slope)
 
 
 def _terms(score: Floats, link: Link) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
@@ -337,6 +347,71 @@ class Estimate:
     def family(self, intensity: Floats) -> Floats:
         """Return that of all curves of the band: shape (curves, intensities)."""
         return _with_collapse(self.samples, self.collapses, intensity)
+
+    @property
+    def median(self) -> float:
+        """Logarithm of the intensity with a probability of one half."""
+        return float(_medians(self.best, self.collapse)[0])
+
+    @property
+    def dispersion(self) -> float:
+        """Standard deviation of the logarithm of the capacity, see `_dispersions`."""
+        return float(_dispersions(self.best, self.collapse)[0])
+
+    @property
+    def medians(self) -> Floats:
+        """That of all curves of the band."""
+        return _medians(self.samples, self.collapses)
+
+    @property
+    def dispersions(self) -> Floats:
+        """That of all curves of the band."""
+        return _dispersions(self.samples, self.collapses)
+
+
+def _medians(curves: Curves, collapse: Curves | None) -> Floats:
+    return curves.place if collapse is None else _reached(curves, collapse, 0.5)
+
+
+def _dispersions(curves: Curves, collapse: Curves | None) -> Floats:
+    """Return the standard deviation of ln im; with collapse, half of that from 16 to 84 %.
+
+    Between those probabilities, Phi(-1) and Phi(1), a lognormal curve has two standard deviations.
+    """
+    if collapse is None:
+        with np.errstate(divide="ignore"):
+            return 1.0 / curves.slope
+    low, high = (_reached(curves, collapse, float(scipy.special.ndtr(z))) for z in (-1.0, 1.0))
+    # A constant share of collapse above 84 % has neither end.
+    differing = np.isfinite(low) | np.isfinite(high)
+    return np.asarray(0.5 * np.subtract(high, low, out=np.full(len(low), np.inf), where=differing))
+
+
+def _reached(curves: Curves, collapse: Curves, share: float) -> Floats:
+    """Return the logarithm of the intensity at which each curve with collapse has a probability.
+
+    Both terms rise, so that bisection finds it. Minus infinity where the share of collapse alone is
+    larger at every intensity.
+    """
+    # The larger term alone has at most the probability, and both together at least the larger.
+    high = np.minimum(curves.logarithm_at(share), collapse.logarithm_at(share))
+    low = np.minimum(curves.logarithm_at(0.5 * share), collapse.logarithm_at(0.5 * share))
+    low, high = (np.clip(end, -LARGEST_LOGARITHM, LARGEST_LOGARITHM) for end in (low, high))
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        under = _at_each(curves, collapse, middle) < share
+        low, high = np.where(under, middle, low), np.where(under, high, middle)
+    ends = np.where(high <= -LARGEST_LOGARITHM + 1.0, -np.inf, high)
+    return np.asarray(np.where(ends >= LARGEST_LOGARITHM - 1.0, np.inf, ends))
+
+
+def _at_each(curves: Curves, collapse: Curves, logarithm: Floats) -> Floats:
+    """Return the probability with collapse of each curve at its own intensity."""
+    below, standing = (
+        1.0 - curve._at_distance((logarithm - curve.place)[:, None])[:, 0]
+        for curve in (curves, collapse)
+    )
+    return np.asarray(1.0 - below * standing)
 
 
 def _with_collapse(curves: Curves, collapse: Curves | None, intensity: Floats) -> Floats:
