@@ -326,6 +326,7 @@ LEAST_COVERAGE = 0.83  # of bands of 95 %: bootstrap 0.92, less three deviations
 LEAST_COVERAGE_OF_FEW = 0.88  # with a dozen motions; plain percentiles 0.75 to 0.90
 LEAST_COVERAGE_OF_RATIOS = 0.85  # classes take some of the share
 SHARE_OF_4000 = 0.03  # three deviations of a share of 4000 runs, and of those that did not collapse
+DEVIATION_OF_200 = 0.15  # three deviations of a standard deviation of 200 motions
 OF_A_GRID = 1e-4  # of ln im: the step of the grid is 6e-5
 HAZARD = 1e-8  # four points of Gauss in steps of 0.02, deviations of 0.05 and more
 HAZARD_JUMP = 0.01  # a jump between two such points, 0.007 apart, times the exponent of the rate

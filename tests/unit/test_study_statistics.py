@@ -234,11 +234,22 @@ def test_curves_of_single_motions() -> None:
     )
     out = ida_curves(table, "drift", "scale")
     asked = ida_curves(table, "drift", "scale", failed="collapse")
-    assert out.crossings(2.5)["capacity"].tolist() == [1.75, 1.5]
-    assert out.crossings(1.75)["capacity"].tolist() == [1.375, 0.875]  # the first crossing
+    # In logarithms between two runs, linear from zero.
+    first = 2.0 ** (np.log(2.5) / np.log(3.0))
+    second = 2.0 ** (np.log(2.5 / 2.0) / np.log(3.0 / 2.0))
+    capacities = out.crossings(2.5)
+    assert_allclose(capacities["capacity"], [first, second], rtol=1e-12)
+    assert capacities["low"].tolist() == capacities["high"].tolist()
+    steeper = table.assign(drift=[0.7, 3.0, 2.0, 2.0, 3.0, np.nan])  # than the square of the scale
+    capacities = ida_curves(steeper, "drift", "scale").crossings(2.5)
+    assert capacities["low"].tolist()[0] == 1.0
+    assert capacities["high"].tolist()[0] == 2.0
+    assert out.crossings(1.75)["capacity"].tolist()[1] == 0.875  # the first crossing
     assert out.crossings(4.0)["capacity"].tolist() == [np.inf, np.inf]
     assert out.crossings(4.0)["largest"].tolist() == [3.0, 2.0]
     assert asked.crossings(4.0)["capacity"].tolist() == [np.inf, 2.0]
+    assert asked.crossings(4.0)["low"].tolist() == [3.0, 2.0]
+    assert asked.crossings(4.0)["high"].tolist() == [np.inf, 3.0]
     spread = asked.fractiles(np.array([0.5, 2.0, 2.5]), [0.0, 0.5, 1.0])
     assert spread["0"].tolist() == [0.5, 3.0, 2.5]
     assert spread["1"].tolist() == [1.0, 3.0, np.inf]

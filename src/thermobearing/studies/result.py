@@ -211,23 +211,23 @@ class StudyResult(Result):
         return extrapolations(self.table, levels, own_lines=own_lines, least=least)
 
     def _misfits(self) -> list[str]:
-        """Return which fragility curves contradict the runs that they are made of."""
+        """Return which fragility curves contradict their runs, or lack intensities for IDA."""
         few = self.table[self.intensity].nunique() < 2
-        if self.question.method != "cloud" or self.question.capacity is None or few:
+        if self.question.method == "stripes" or self.question.capacity is None or few:
             return []
-        misfits = {
+        faults = {
             " at ".join(filter(None, (part, name if isinstance(name, str) else f"{name:g} °C"))): (
-                curve.misfit
+                curve.misfit or curve.coarse
             )
             for part, runs in self.parts().items()
             for name, curve in runs.all_curves().items()
-            if curve.misfit
         }
-        if not misfits:
+        curves = [name for name, fault in faults.items() if fault]
+        if not curves:
             return []
-        first, *others = misfits
-        sentence = misfits[first] + (f"; so do {joined(others)}" if others else "")
-        return [Warned(sentence, "cloud_misfit", UNUSABLE, first)]
+        sentence = faults[curves[0]] + (f"; so do {joined(curves[1:])}" if curves[1:] else "")
+        code = "cloud_misfit" if self.question.method == "cloud" else "coarse_intensities"
+        return [Warned(sentence, code, UNUSABLE, curves[0])]
 
     @property
     def _has_sobol_design(self) -> bool:

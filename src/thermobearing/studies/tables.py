@@ -332,6 +332,7 @@ def _curve_notes(
             curve.beyond_levels,
             curve.wide_bands,
             curve.mixture,
+            curve.coarse.partition(",")[0],
             misfit,
         )
         for text in filter(None, texts):

@@ -20,8 +20,8 @@ the time (total probability): the temperature is independent of the size of an e
 Incremental dynamic analysis has curves of demand against intensity, their fractiles (16, 50 and
 84 %, demand given intensity) and the intensity at which a curve first reaches a capacity:
 Vamvatsikos, D., Cornell, C.A. (2002), Earthquake Engineering and Structural Dynamics 31(3):
-491-514; (2004), Earthquake Spectra 20(2): 523-553. Here a curve is linear between two runs, not a
-spline; it begins at zero.
+491-514; (2004), Earthquake Spectra 20(2): 523-553. Here fractiles are linear between two runs, not
+splines, and begin at zero.
 """
 
 from collections.abc import Mapping, Sequence
@@ -74,6 +74,8 @@ Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 MOTION = "motion"
 LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
 LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
+STEEP = 2.0  # power of the intensity up to which the demand is interpolated between two runs
+COARSE = 2.0  # ratio of intensities around a capacity, in logarithms, over the dispersion
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
 WITH_COLLAPSE = (
     "with collapse the curve is not lognormal: the median is where it is one half, the dispersion "
@@ -123,19 +125,33 @@ class IdaCurve(NamedTuple):
         demands[inside] = np.interp(intensity[inside], self.intensity[:first], self.demand[:first])
         return demands
 
-    def _crossing(self, capacity: float) -> float:
-        """Return the lowest intensity that reaches the capacity or precedes a collapse, or inf."""
+    def _crossing(self, capacity: float) -> tuple[float, float, float]:
+        """Return the lowest intensity that reaches the capacity, or inf, and its bounds.
+
+        The bounds are equal where the demand is interpolated: linear from zero, and in logarithms
+        of both between two runs, unless the demand rises there or up to the next run faster than
+        with the power `STEEP` of the intensity. Then the curve bends between the runs, as where a
+        pier yields.
+        """
         beyond = np.flatnonzero(self.demand >= capacity)
         if len(beyond) == 0:
-            return float("inf")
+            return float("inf"), float(self.intensity[-1]), float("inf")
         first = int(beyond[0])
-        x0, x1 = self.intensity[first - 1 : first + 1]
-        y0, y1 = self.demand[first - 1 : first + 1]
+        x0, x1 = map(float, self.intensity[first - 1 : first + 1])
+        y0, y1 = map(float, self.demand[first - 1 : first + 1])
         # The capacity lies between the last run that stood and the collapse: the smaller intensity
-        # counts, except zero, which has no logarithm.
+        # is stated, except zero, which has no logarithm.
         if np.isinf(y1):
-            return float(x0 if x0 > 0.0 else x1)
-        return float(x0 + (capacity - y0) / (y1 - y0) * (x1 - x0))
+            return x0 if x0 > 0.0 else x1, x0, x1
+        if x0 == 0.0 or y0 <= 0.0:
+            at = x0 + (capacity - y0) / (y1 - y0) * (x1 - x0)
+            return at, at, at
+        at = float(x0 * (x1 / x0) ** (np.log(capacity / y0) / np.log(y1 / y0)))
+        rises = y1 / y0 > (x1 / x0) ** STEEP
+        if first + 1 < len(self.demand) and np.isfinite(self.demand[first + 1]):
+            power = (self.intensity[first + 1] / x1) ** STEEP
+            rises = rises or bool(self.demand[first + 1] / y1 > power)
+        return (at, x0, x1) if rises else (at, at, at)
 
 
 class Ida(NamedTuple):
@@ -164,12 +180,16 @@ class Ida(NamedTuple):
         return pd.DataFrame(rows)
 
     def crossings(self, capacity: float) -> "pd.DataFrame":
-        """Return where each curve first reaches a capacity (or inf), and its largest intensity."""
+        """Return where each curve first reaches a capacity (or inf), and its largest intensity.
+
+        `low` and `high` differ where the capacity is known to lie between two intensities only.
+        """
         rows = []
         for curve in self.curves:
             name = dict(zip(self.by, curve.name, strict=True))
+            at, low, high = curve._crossing(capacity)
             largest = float(curve.intensity[-1])
-            rows.append({**name, "capacity": curve._crossing(capacity), "largest": largest})
+            rows.append({**name, "capacity": at, "low": low, "high": high, "largest": largest})
         return pd.DataFrame(rows)
 
 
@@ -328,6 +348,22 @@ class Fragility:
             return ""
         return (
             f"too few levels: the median is beyond the largest intensity of the runs, {largest:.3g}"
+        )
+
+    @property
+    def coarse(self) -> str:
+        """Why the levels of IDA are too far apart; "" where they are not.
+
+        Most capacities are known to lie between two runs only, whose intensities are farther apart
+        than `COARSE` dispersions: the result rests on the lognormal shape.
+        """
+        ratio = self.estimate.ratio
+        if len(self.parts) > 1 or not np.log(ratio) > COARSE * self.dispersion:
+            return ""
+        return (
+            f"{self.estimate.between} capacities of single curves lie between intensities with the "
+            f"ratio {ratio:.3g}, which is wide for a dispersion of {self.dispersion:.2g}: median "
+            "and dispersion rest on the lognormal shape; add intensities between"
         )
 
     @property
@@ -546,7 +582,8 @@ def _fragility(
     else:
         ida = _ida(runs, at, demand, intensity, curves)
         curve_groups = draw.groups[[curve.first for curve in ida.curves]]
-        estimate = incremental(ida.crossings(capacity), curve_groups, draw)
+        crossings = ida.crossings(capacity)
+        estimate = incremental(crossings, curve_groups, draw, UNITS.get(intensity, ""))
     return Fragility(
         name=name,
         method=method,

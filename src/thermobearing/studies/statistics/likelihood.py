@@ -14,9 +14,10 @@ analysis. Earthquake Spectra 31(1): 579-599.
 Where every motion was scaled until it reached the capacity, the estimates are those of Porter,
 Kennedy & Bachman (2007, method A) and Baker (2015, Eq. 2 and 3): mean and sample deviation (n - 1)
 of the logarithms. The capacity of a motion that did not reach it is above its largest intensity
-(Baker 2015, truncated incremental dynamic analysis): the likelihood then is that of a
-right-censored normal sample, concave in slope and intercept (Olsen 1978, Econometrica 46:
-1211-1215).
+(Baker 2015, truncated incremental dynamic analysis). A capacity before a collapse, or where the
+demand rises faster than with the square of the intensity, is known to lie between two runs only.
+The likelihood then is that of a censored normal sample, concave in slope and intercept (Olsen 1978,
+Econometrica 46: 1211-1215; of intervals Pratt 1981).
 
 Porter, K., Kennedy, R., Bachman, R. (2007). Creating fragility functions for performance-based
 earthquake engineering. Earthquake Spectra 23(2): 471-489.
@@ -24,7 +25,7 @@ earthquake engineering. Earthquake Spectra 23(2): 471-489.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
@@ -53,6 +54,7 @@ ONE_MIXED = (
     "only at {0} do some runs exceed the capacity and others not ({1:.0f} of {2:.0f} do): one "
     "intensity does not determine the dispersion; add {3}"
 )
+ALL_BETWEEN = "all curves reach the capacity between {0} and {1}: add intensities between"
 REASONS = {
     "none_beyond": "no run exceeds the capacity: add larger intensities",
     "all_beyond": "all runs exceed the capacity: add smaller intensities",
@@ -265,59 +267,95 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
     return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
 
 
-def _fit_capacities(
-    reached: Floats, at: Floats, weight_reached: Floats, weight_at: Floats
-) -> Curves:
-    """Return the most likely lognormal distribution of capacities, for each row of weights."""
-    y, c = np.log(reached), np.log(at)
-    count = weight_reached.sum(-1)
+class _Capacities(NamedTuple):
+    """Logarithms of capacities: values, and bounds of those that are known to lie between two."""
+
+    exact: Floats
+    low: Floats  # of the others; minus infinity for a collapse at the smallest intensity
+    high: Floats  # plus infinity for a motion that did not reach the capacity
+
+
+def _fit_capacities(sample: _Capacities, weight: Floats, weight_between: Floats) -> Curves:
+    """Return the most likely lognormal distribution of capacities, for each row of weights.
+
+    Without a maximum of the likelihood the curve is its limit: never reached, or a jump.
+    """
+    count = weight.sum(-1)
     divisor = np.maximum(count, 1.0)
-    mean = (weight_reached * y).sum(-1) / divisor
-    spread = (weight_reached * (y - mean[:, None]) ** 2).sum(-1)
+    mean = (weight * sample.exact).sum(-1) / divisor
+    spread = (weight * (sample.exact - mean[:, None]) ** 2).sum(-1)
     deviation = np.sqrt(spread / np.maximum(count - 1.0, 1.0))
-    place = np.where(count > 0, mean, np.inf)
-    slope = np.full(len(count), np.inf)
-    # Equal capacities make a jump, and none at all a curve that is never reached.
-    differing = deviation > SAME
+    present = weight_between > 0
+    # What all capacities could have in common: the largest lower and the smallest upper bound.
+    low = np.where(present, sample.low, -np.inf).max(-1, initial=-np.inf)
+    high = np.where(present, sample.high, np.inf).min(-1, initial=np.inf)
+    reached = (count > 0) | (present & np.isfinite(sample.high)).any(-1)
+    equal = deviation <= SAME
+    place, slope = np.where(count > 0, mean, np.inf), np.full(len(count), np.inf)
+    differing = ~present.any(-1) & ~equal
     slope[differing] = 1.0 / deviation[differing]
-    slope[count == 0] = 1.0
-    censored = (weight_at.sum(-1) > 0) & (count > 0)
-    if censored.any():
-        place[censored], slope[censored] = _censored(
-            y, c, weight_reached[censored], weight_at[censored]
-        )
+    between = reached & (count == 0) & (low <= high)
+    ends = np.where(np.isfinite(low), low, high), high
+    place[between] = 0.5 * (ends[0] + ends[1])[between]
+    slope[~reached] = 1.0
+    in_common = np.where(count > 0, equal & (low <= mean) & (mean <= high), low <= high)
+    free = present.any(-1) & reached & ~in_common
+    if free.any():
+        place[free], slope[free] = _fit_between(sample, weight[free], weight_between[free])
     return Curves(place, slope)
 
 
-def _censored(y: Floats, c: Floats, w: Floats, v: Floats) -> tuple[Floats, Floats]:
-    """Return place and slope of a right-censored sample; scores are a + b y."""
-    centre = float(np.concatenate([y, c]).mean())
-    y, c = y - centre, c - centre
+def _fit_between(sample: _Capacities, w: Floats, v: Floats) -> tuple[Floats, Floats]:
+    """Return place and slope of an interval-censored normal sample; scores are a + b y."""
+    inside = np.where(np.isfinite(sample.high), sample.high, sample.low)
+    inside = 0.5 * (inside + np.where(np.isfinite(sample.low), sample.low, inside))
+    centre = float(np.concatenate([sample.exact, inside]).mean())
+    y, c = sample.exact - centre, inside - centre
+    ends = sample.low - centre, sample.high - centre
     n, first, second = w.sum(-1), (w * y).sum(-1), (w * y**2).sum(-1)
     total = n + v.sum(-1)
     mean = (first + (v * c).sum(-1)) / total
     variance = (second + (v * c**2).sum(-1)) / total - mean**2
-    # The start is the mean and the deviation of all, as if each limit were a capacity.
+    # The start is the mean and the deviation of all, as if the middle were the capacity.
     b = 1.0 / np.sqrt(np.maximum(variance, 1e-6))
 
     def _value(a: Floats, b: Floats) -> Floats:
-        tail = (v * scipy.special.log_ndtr(-(a[:, None] + b[:, None] * c))).sum(-1)
+        low, high = (a[:, None] + b[:, None] * end for end in ends)
+        between = (v * _log_between(low, high)).sum(-1)
         return np.asarray(
-            n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + tail
+            n * np.log(b) - 0.5 * (n * a**2 + 2.0 * a * b * first + b**2 * second) + between
         )
 
     def _derivatives(a: Floats, b: Floats) -> tuple[Floats, ...]:
-        score = a[:, None] + b[:, None] * c
-        # Density over the probability of a larger capacity, from logarithms as above.
-        rate = np.exp(-0.5 * score**2 - ROOT_TWO_PI - scipy.special.log_ndtr(-score))
-        bend = v * rate * (rate - score)
-        g0 = -(n * a + b * first) - (v * rate).sum(-1)
-        g1 = n / b - (a * first + b * second) - (v * rate * c).sum(-1)
-        h1 = first + (bend * c).sum(-1)
-        return g0, g1, n + bend.sum(-1), h1, n / b**2 + second + (bend * c**2).sum(-1)
+        scores = [a[:, None] + b[:, None] * end for end in ends]
+        logarithm = _log_between(*scores)
+        # Density over the probability, times powers of the bound and of its score; bounds that are
+        # infinite have no density.
+        sums = np.zeros((5, *logarithm.shape))
+        for sign, end, score in zip((-1.0, 1.0), ends, scores, strict=True):
+            at, z = np.where(np.isfinite(end), end, 0.0), np.where(np.isfinite(end), score, 0.0)
+            density = np.exp(-0.5 * z**2 - ROOT_TWO_PI - logarithm)
+            rate = np.where(np.isfinite(end), sign * density, 0.0)
+            sums += rate, rate * at, rate * z, rate * z * at, rate * z * at**2
+        r0, r1, s0, s1, s2 = sums
+        bends = ((v * bend).sum(-1) for bend in (s0 + r0**2, s1 + r0 * r1, s2 + r1**2))
+        h0, h1, h2 = bends
+        g0 = -(n * a + b * first) + (v * r0).sum(-1)
+        g1 = n / b - (a * first + b * second) + (v * r1).sum(-1)
+        return g0, g1, n + h0, first + h1, n / b**2 + second + h2
 
     a, b = _maximise(_value, _derivatives, -mean * b, b, positive=True)
     return centre - a / b, b
+
+
+def _log_between(low: Floats, high: Floats) -> Floats:
+    """Return the logarithm of the normal probability between two scores."""
+    # In the upper half the complements are small, and their difference has its digits.
+    upper = low + high > 0.0
+    above, below = np.where(upper, -low, high), np.where(upper, -high, low)
+    largest = scipy.special.log_ndtr(above)
+    part = -np.expm1(np.minimum(scipy.special.log_ndtr(below) - largest, -1e-15))
+    return np.asarray(largest + np.log(part))
 
 
 @dataclass(frozen=True)
@@ -334,6 +372,8 @@ class Estimate:
     # the estimate with the curves as the bootstrap drew them, where `samples` are pivots
     drawn: "Estimate | None" = None
     groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
+    between: int = 0  # number of curves of IDA whose capacity is known to lie between two runs
+    ratio: float = 1.0  # of the intensities of such runs, if these are most of the curves
 
     @property
     def known(self) -> bool:
@@ -498,28 +538,39 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves, unit: str) -
     return COMPLETED, ""
 
 
-def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw) -> Estimate:
+def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw, unit: str = "") -> Estimate:
     """Return the lognormal curve of the intensities (`Ida.crossings`) that reach a capacity."""
-    reached = np.isfinite(table["capacity"].to_numpy(dtype=float))
-    y = table.loc[reached, "capacity"].to_numpy(dtype=float)
-    c = table.loc[~reached, "largest"].to_numpy(dtype=float)
+    low, high = (table[name].to_numpy(dtype=float) for name in ("low", "high"))
+    exact, reached = low == high, np.isfinite(high)
+    with np.errstate(divide="ignore"):
+        sample = _Capacities(*map(np.log, (low[exact], low[~exact], high[~exact])))
     # Without motions each curve is drawn alone, not each of its runs.
     if draw.alone:
         draw = Draw.of_labels(None, len(table), draw.samples, draw.seed[0])
         groups = draw.groups
     unit_weights = np.ones((1, len(groups)))
-    best = _fit_capacities(y, c, unit_weights[:, reached], unit_weights[:, ~reached])
+    best = _fit_capacities(sample, unit_weights[:, exact], unit_weights[:, ~exact])
     parts = [
-        _fit_capacities(y, c, weights[:, groups[reached]], weights[:, groups[~reached]])
+        _fit_capacities(sample, weights[:, groups[exact]], weights[:, groups[~exact]])
         for weights in draw.weights()
     ]
     place = np.concatenate([part.place for part in parts])
     samples = Curves(place, np.concatenate([part.slope for part in parts]))
     if not reached.any():
         return Estimate(best, samples, outcome="none_beyond", sentence=REASONS["none_beyond"])
+    between = ~exact & reached
     if np.isinf(best.slope[0]):
-        return Estimate(best, samples, outcome="apart", sentence=REASONS["one_beyond"])
-    return Estimate(best, samples)
+        sentence = REASONS["one_beyond"]
+        if between.sum() > 1:
+            ends = (
+                with_intensity_unit(low[~exact].max(), unit),
+                with_intensity_unit(high[between].min(), unit),
+            )
+            sentence = ALL_BETWEEN.format(*ends)
+        return Estimate(best, samples, outcome="apart", sentence=sentence)
+    ratios = high[between & (low > 0.0)] / low[between & (low > 0.0)]
+    ratio = float(np.median(ratios)) if 2 * between.sum() > reached.sum() and len(ratios) else 1.0
+    return Estimate(best, samples, between=int(between.sum()), ratio=ratio)
 
 
 MOST_COMPARED = 10  # classes of intensities in which a curve is compared with the counts
