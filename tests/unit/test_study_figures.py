@@ -7,10 +7,12 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
+from tests import tolerances
 from tests.unit.made_up_study import ask, beyond_limit, drawn, made_up
+from thermobearing.results import drawing
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics import fragility
-from thermobearing.studies.statistics.demand import counted
+from thermobearing.studies.statistics.demand import counted, demand_against, quantile
 from thermobearing.studies.statistics.fragility import fragility_curve
 from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
 
@@ -190,11 +192,114 @@ def test_a_median_is_between_the_intensities_that_all_motions_settle(
     assert fragility_curve(five, "drift", 3.0, "Sa").row() == fewer
 
 
-def test_sentences_say_that_a_median_is_of_all_intensities() -> None:
+def test_sentences_have_no_median_of_all_intensities_together() -> None:
+    """Those of the fragility, or of each intensity: one of all would be that of the levels."""
     part = drawn()
     sentences = ask(part, capacity=1.0).notes()
     assert all(text[0].isupper() or text[0].isdigit() for text in sentences)
     climate = ask(part, capacity=1.0).all_curves()["climate"]
     assert f"{climate.median:.4g}" in sentences[1]
-    assert "over all 3 intensities" in sentences[2]
-    assert "over all" not in ask(part.select(PGA_m_s2=[4.0])).notes()[1]
+    assert len(sentences) == 2
+    assert "over all 3 intensities" in part.tables()["demand"].caption
+    single = ask(part.select(PGA_m_s2=[4.0]))
+    assert "over all" not in single.tables()["demand"].caption
+    assert len(single.notes()) == 2
+    levels = made_up().select(bearing="shen-hdr-bridge")
+    sentence = levels.notes()[1]
+    for ambient in (-20.0, 23.0):
+        for scale in (0.25, 2.0):
+            median = levels.select(ambient_degC=ambient, scale=scale).table["pier_ductility"]
+            assert f"{median.median():.3g}" in sentence or np.isnan(median.median())
+
+
+def test_runs_that_stopped_count_as_larger_than_their_last_value() -> None:
+    """Known below the smallest of these values; a range or a bound above."""
+    result = made_up().select(bearing="shen-hdr-bridge")
+    demand = np.tile(np.linspace(0.1, 3.6, 36), 3)
+    table = result.table.assign(pier_ductility=demand[: result.runs], outcome="completed")
+    stopped = table["pier_ductility"].between(2.2, 2.45) | (table["pier_ductility"] > 3.15)
+    table.loc[stopped, "outcome"] = "lead_melted"
+    study = ask(StudyResult(table, result.study, result.manifest), capacity=3.3)
+    for ambient, rows in study.demand("pier_ductility").groupby("ambient_degC"):
+        runs = table[table["ambient_degC"] == ambient]
+        values = np.where(runs["outcome"] == "completed", runs["pier_ductility"], np.inf)
+        least = study.demand("pier_ductility", least=True)
+        least = least[least["ambient_degC"] == ambient]
+        for share in ("0.05", "0.16", "0.5", "0.84", "0.95"):
+            assert rows[share].iloc[0] == quantile(values, float(share))
+            assert least[share].iloc[0] == quantile(runs["pier_ductility"], float(share))
+        assert rows["runs"].iloc[0] == rows["all_runs"].iloc[0] == len(runs)
+        assert rows["0.5"].iloc[0] == np.median(runs["pier_ductility"])  # below all that stopped
+        assert np.isinf(rows["mean"].iloc[0])
+    texts = study.tables()["demand"].texts()[0]
+    heads = [column.title for column in study.tables()["demand"].columns]
+    assert "at least" in texts[heads.index("95 %")]
+    assert f"{stopped.sum()} of {result.runs} runs failed" in study.tables()["demand"].note
+    assert study.demand("pier_ductility", failed="left-out")["runs"].sum() == (~stopped).sum()
+
+
+def test_bands_of_medians_come_from_motions() -> None:
+    """Runs of a motion are alike: the band allows for 12 motions, and fewer than 5 have none."""
+    rng = np.random.default_rng(2)
+    contained = 0
+    for _ in range(60):
+        of_motion = np.repeat(rng.normal(0.0, 0.5, 12), 30)
+        table = pd.DataFrame(
+            {
+                "motion": np.repeat(np.arange(12), 30),
+                "ambient_degC": 0.0,
+                "drift": np.exp(of_motion + 0.1 * rng.normal(size=360)),
+                "outcome": "completed",
+            }
+        )
+        (row,) = demand_against(table, "drift").to_dict("records")
+        contained += row["median_low"] <= 1.0 <= row["median_high"]
+    assert contained / 60 > tolerances.LEAST_COVERAGE
+    # As if runs were independent, the band is far too narrow.
+    (alone,) = demand_against(table.drop(columns="motion"), "drift").to_dict("records")
+    assert alone["median_high"] - alone["median_low"] < 0.5 * (
+        row["median_high"] - row["median_low"]
+    )
+    (few,) = demand_against(table[table["motion"] < 4], "drift").to_dict("records")
+    assert np.isnan([few["median_low"], few["median_high"]]).all()
+    words = drawn().tables()["demand"]  # three motions
+    assert "too few" in words.texts()[0]
+
+
+def test_figures_without_titles_have_the_number_of_failed_runs() -> None:
+    result = ask(beyond_limit().parts()["shen-hdr-bridge"], capacity=0.2)
+    with drawing.figure_style({"titles": False}):
+        drawn_figures = [result.plot.demand(), result.plot.ida(), result.plot.fragility()]
+    for figure in drawn_figures:
+        texts = [text.get_title().get_text() for text in figure.legends]
+        texts += [ax.get_title(loc="left") for ax in figure.axes]
+        assert any("failed" in text for text in texts)
+    note = result.plot.ida().legends[0].get_title().get_text().replace("\n", " ")
+    assert "beyond the axis" in note  # which ends at a ductility of 0.8
+    inside = ask(beyond_limit().parts()["shen-hdr-bridge"], capacity=1.0).plot.ida()
+    assert "beyond the axis" not in inside.legends[0].get_title().get_text()
+
+
+def test_a_median_from_too_few_exceedances_has_no_curve() -> None:
+    """Two of 108 runs: in the table, in the figure and for the other treatments."""
+    part = made_up().select(bearing="shen-hdr-bridge", ambient_degC=23.0)
+    largest = part.table["scale"].rank(method="first", ascending=False) <= 2
+    table = part.table.assign(
+        PGA_m_s2=part.table["scale"] * 8.0,
+        pier_ductility=np.where(largest, 2.0, 0.5),
+        outcome="completed",
+    )
+    result = ask(StudyResult(table, part.study, part.manifest), capacity=1.0, method="cloud")
+    (curve,) = result.find_curves()[0].values()
+    assert curve.few_words == "too few exceedances"
+    assert not curve.has_median
+    table_of_curves = result.tables()["fragility"]
+    assert "too few exceedances" in table_of_curves.texts()[0]
+    figure = result.plot.fragility()
+    assert any("(too few exceedances)" in text for text in legend(figure))
+    assert not figure.axes[0].collections
+    assert not [
+        line
+        for line in figure.axes[0].lines
+        if line.get_linestyle() == "-" and len(line.get_xdata())
+    ]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import LogLocator
 
 from thermobearing.border.lazy import pd
@@ -18,6 +19,7 @@ from thermobearing.results import drawing
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import (
+    ANY,
     counted,
     describe_failures,
     equal_classes,
@@ -26,7 +28,7 @@ from thermobearing.studies.statistics.demand import (
 from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida, describe_wide
 from thermobearing.studies.statistics.hazard import TOGETHER, Hazard, Rate
 from thermobearing.studies.statistics.variance import REST, sampling_note
-from thermobearing.studies.tables import column_words, find_unit, limit_words
+from thermobearing.studies.tables import column_words, find_unit, limit_words, pooled_words
 
 
 def _title(column: str) -> str:
@@ -39,18 +41,27 @@ BANDS = (("0.05", "0.95", 0.15, "5 to 95 %"), ("0.16", "0.84", 0.3, "16 to 84 % 
 COLOUR, RED = "#0077BB", "#CC3311"
 
 
-def _legend(figure: Figure, *axes: Axes) -> None:
-    """Draw one legend of panels below the figure, each name once."""
+def _legend(figure: Figure, *axes: Axes, note: str = "") -> None:
+    """Draw one legend of panels below the figure, each name once, with a note above it."""
     handles = [handle for ax in axes for handle in ax.get_legend_handles_labels()[0]]
     drawing.legend_below(figure, list({handle.get_label(): handle for handle in handles}.values()))
+    if note:
+        # The layout reserves one strip below the panels, so that the legend has the note.
+        (legend,) = figure.legends
+        legend.set_title(_wrapped(figure, note), prop=FontProperties(size=drawing.SMALL))
+        legend.get_title().set_color(drawing.GREY)
+
+
+def _wrapped(figure: Figure, text: str) -> str:
+    """Return a note in lines that are not longer than the figure."""
+    room = int(WRAPPED * figure.get_figwidth() / drawing.WIDEST)
+    return "\n".join(textwrap.fill(line, room) for line in text.splitlines())
 
 
 def _note_below(figure: Figure, text: str) -> None:
-    """Write a note below the panels, in lines that are not longer than the figure."""
-    room = int(WRAPPED * figure.get_figwidth() / drawing.WIDEST)
-    wrapped = "\n".join(textwrap.fill(line, room) for line in text.splitlines())
+    """Write a note below the panels."""
     look: drawing.Look = {"ha": "left", "fontsize": drawing.SMALL, "color": drawing.GREY}
-    figure.supxlabel(wrapped, x=0.02, **look)
+    figure.supxlabel(_wrapped(figure, text), x=0.02, **look)
 
 
 def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
@@ -60,7 +71,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
     columns = min(len(cells), MOST_COLUMNS)
     count = -(-len(cells) // columns)
     size = (max(WIDTH * columns, 4.6) + 0.6, HEIGHT * count + 0.9)
-    title = f"{column_words(demand)} against {column_words(across)}: {note}"
+    title = f"{column_words(demand)} against {column_words(across)}"
     figure, axes = drawing.panels(count, columns, size, title, share=True)
     look: drawing.Look = {"fontsize": drawing.SMALL, "fontweight": "bold", "color": drawing.INK}
     for ax in axes[len(cells) :]:
@@ -69,7 +80,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
         x = rows[across].to_numpy(dtype=float)
         for low, high, alpha, words_ in BANDS:
             ends = rows[low].to_numpy(dtype=float), rows[high].to_numpy(dtype=float)
-            words_ += _where_finite(quantiles[high], 1.0 - float(high))
+            words_ += _where_finite(quantiles[high], 1.0 - float(high), result)
             # Where collapses make either end infinite there is no band.
             if _continues(np.add(*ends)):
                 ax.fill_between(x, *ends, color=COLOUR, alpha=alpha, linewidth=0, label=words_)
@@ -78,7 +89,8 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
         )
         finite = np.isfinite(lowest) & np.isfinite(highest)
         reach = [(median - lowest)[finite], (highest - median)[finite]]
-        points: drawing.Look = {"marker": "o", "markersize": 3, "label": "median, 95 % band"}
+        name = "median, 95 % band" if finite.any() else "median"
+        points: drawing.Look = {"marker": "o", "markersize": 3, "label": name}
         ax.plot(x, median, color=COLOUR, linewidth=1.4, **points)
         ax.errorbar(
             x[finite], median[finite], yerr=reach, fmt="none", ecolor=COLOUR, elinewidth=1.0
@@ -88,7 +100,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
             # A single temperature without failures has a mark in place of a line.
             marker = "" if _continues(mean) else "_"
             dashed: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
-            where = _where_finite(quantiles["mean"], 0.0)
+            where = _where_finite(quantiles["mean"], 0.0, result)
             ax.plot(x, mean, marker=marker, label=f"mean{where}", **dashed)
         if np.isfinite(capacity):
             ax.axhline(capacity, label="capacity", **drawing.LIMIT)
@@ -104,7 +116,8 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
     top = values[np.isfinite(values)].max(initial=0.0)
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
-    _legend(figure, *axes[: len(cells)])
+    pooled = pooled_words(result).removeprefix(", ")
+    _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, [pooled, note])))
     return figure
 
 
@@ -114,17 +127,18 @@ def _continues(values: Floats) -> bool:
     return bool((finite[1:] & finite[:-1]).any())
 
 
-def _where_finite(values: "pd.Series", share: float) -> str:
-    """Return where a line is drawn, if collapses end it: "", or ", where no run failed"."""
+def _where_finite(values: "pd.Series", share: float, result: StudyResult) -> str:
+    """Return where a line is drawn, if failed runs end it: "", or ", where no run failed"."""
     if not np.isinf(values.to_numpy(dtype=float)).any():
         return ""
+    if counted(result.table, result.demand_name, result.question.failed, ANY).larger:
+        return ", where it is known"  # runs that stopped have an unknown demand
     return f", where less than {100 * share:g} % failed" if share else ", where no run failed"
 
 
 POINTS = 160
 FRAGILITY_NOTE = 95  # letters of a line above the panel
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
-TOO_FEW_LEVELS = " (too few levels)"  # the median is beyond all of them
 MARK_STEP = 0.01  # between marks of two temperatures, of the width
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
@@ -146,7 +160,7 @@ def _draw_fragility(
     )
     im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
     shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
-    estimated = [name for name, curve in curves.items() if curve.is_drawable]
+    estimated = [name for name, curve in curves.items() if curve.has_median]
     ends = {*estimated[:1], *estimated[-1:]}
     banded = {_label(name): curves[name] for name in curves if name in ends}
     for (name, curve), colour, shift in zip(
@@ -157,7 +171,7 @@ def _draw_fragility(
         _marks(ax, curve, colour, len(curves), float(shift))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, climate.name)
-        if climate.is_drawable:
+        if climate.has_median:
             banded[climate.name] = climate
     side_by_side = " (side by side)" * (len(curves) > 1)
     ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{side_by_side}")
@@ -167,10 +181,11 @@ def _draw_fragility(
     left_out = sum(curve.left_out for curve in curves.values())
     collapsed = sum(curve.collapsed for curve in curves.values())
     computed = sum(curve.computed for curve in curves.values())
+    larger = sum(curve.larger for curve in curves.values())
     runs = sum(curve.runs for curve in curves.values()) + left_out
     method = next(iter(curves.values())).method
     bands = _describe_bands(list(curves.values()), banded)
-    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed, computed)}"
+    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed, computed, larger)}"
     lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
     look: drawing.Look = {"loc": "left", "fontsize": drawing.SMALLEST, "color": drawing.GREY}
     ax.set_title("\n".join(lines), **look)
@@ -201,10 +216,10 @@ def _curve(
     ax: Axes, curve: Fragility, im: Any, colour: str, label: str, *, banded: bool = True
 ) -> None:
     """Draw a curve with its band, or only say in the legend that there is none."""
-    if not curve.is_drawable:
-        ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} (no curve)")
+    if not curve.has_median:
+        reason = curve.few_words or "no curve"
+        ax.plot([], [], color=colour, linewidth=1.4, label=f"{label} ({reason})")
         return
-    label += TOO_FEW_LEVELS * bool(curve.beyond_levels)
     if banded and not curve.few_motions:
         ax.fill_between(im, *curve.band_at(im), color=colour, alpha=0.13, linewidth=0)
     width = 1.8 if len(curve.parts) > 1 else 1.4
@@ -230,7 +245,7 @@ MOST_CURVES = 400  # that are drawn; of more every n-th
 def _draw_ida(
     parts: Mapping[str, Ida], demand: str, intensity: str, note: str, capacity: float
 ) -> Figure:
-    title = f"incremental dynamic analysis, {column_words(demand)}: {note}"
+    title = f"incremental dynamic analysis, {column_words(demand)}"
     columns = min(len(parts), MOST_COLUMNS)
     count = -(-len(parts) // columns)
     size = (max(WIDTH * columns + 0.6, 5.2), max(HEIGHT * count, 3.3) + 0.9)
@@ -243,8 +258,9 @@ def _draw_ida(
     if np.isfinite(capacity):
         # Demands far beyond the capacity would leave the curves near it no width.
         widest = min(widest, max(4.0 * capacity, 1e-300))
+    outside = 0
     for place, (name, ida) in enumerate(parts.items()):
-        _ida_panel(axes[place], ida, capacity, widest)
+        outside += _ida_panel(axes[place], ida, capacity, widest)
         is_lowest, is_leftmost = place + columns >= len(parts), place % columns == 0
         names = _title(demand) if is_lowest else "", intensity if is_leftmost else ""
         curve_count = f"{len(ida.curves)} curves"
@@ -254,21 +270,26 @@ def _draw_ida(
         ax.set_visible(False)
     axes[0].set_xlim(0.0, 1.03 * widest)
     axes[0].set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in curves))
-    _legend(figure, *axes)
+    collapses = sum(bool(np.isinf(curve.demand).any()) for curve in curves)
+    beyond = f"{outside} of {collapses} curves have their last run before collapse beyond the axis"
+    _legend(figure, *axes, note="; ".join([f"of these curves, {note}", *[beyond] * bool(outside)]))
     return figure
 
 
-def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> None:
+def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> int:
     """Draw the curves of motions, their last points before a collapse, and their fractiles.
 
-    What has a demand beyond `widest` is outside the panel.
+    What has a demand beyond `widest` is outside the panel. Returns the number of such last points.
     """
     stride = -(-len(ida.curves) // MOST_CURVES)
-    label, last_points = "single curves", []
-    for curve in ida.curves[::stride]:
+    label, last_points, outside = "single curves", [], 0
+    for number, curve in enumerate(ida.curves):
         finite = np.isfinite(curve.demand)
         first = len(finite) if finite.all() else int((~finite).argmax())
         x, y = curve.demand[:first], curve.intensity[:first]
+        outside += int(first < len(finite) and x[-1] > widest)
+        if number % stride:
+            continue
         ax.plot(x, y, color=drawing.GREY, linewidth=0.6, alpha=0.5, label=label)
         label = ""
         if first < len(finite) and x[-1] <= widest:
@@ -289,6 +310,7 @@ def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> None:
         ax.plot(x[finite], y[finite], label=f"{100 * share:g} % fractile", **look)
     if np.isfinite(capacity):
         ax.axvline(capacity, label="capacity", **drawing.LIMIT)
+    return outside
 
 
 WRAPPED = 120  # characters of a line of a note
@@ -407,8 +429,15 @@ class StudyFigures(drawing.Figures):
     def demand(self, across: str = AMBIENT) -> Figure:
         """Draw fractiles of the demand against the temperature; a panel for each bearing."""
         result = self._result
-        quantiles = result.demand(result.demand_name, across, failed=result.question.failed)
-        return _draw_demand(quantiles, result, across, _count_sentence(result))
+        demand, failed = result.demand_name, result.question.failed
+        quantiles = result.demand(demand, across, failed=failed)
+        least = result.demand(demand, across, failed=failed, least=True)
+        # Only numbers that runs that stopped leave certain; the ends of a band are bounds.
+        names = ["mean", *(name for name in map(str, quantiles) if name.startswith("0."))]
+        quantiles[names] = quantiles[names].where(quantiles[names] == least[names], np.inf)
+        quantiles["median_low"] = least["median_low"]
+        note = counted(result.table, demand, failed, ANY).sentence
+        return _draw_demand(quantiles, result, across, note)
 
     def ida(self) -> Figure:
         """Draw IDA curves of motions with their fractiles; a panel for each temperature."""
@@ -482,4 +511,6 @@ class StudyFigures(drawing.Figures):
 
 
 def _count_sentence(result: StudyResult) -> str:
-    return counted(result.table, result.demand_name, result.question.failed).sentence
+    return counted(
+        result.table, result.demand_name, result.question.failed, result.capacity
+    ).sentence

@@ -33,6 +33,7 @@ from thermobearing.studies.definition.record import (
 )
 from thermobearing.studies.question import Question, load_question
 from thermobearing.studies.statistics.demand import (
+    ANY,
     COMPUTED,
     FEW_BEYOND,
     OUTCOME,
@@ -239,7 +240,7 @@ class StudyResult(Result):
         """Return how many runs failed, and the rule by which they count."""
         demand, failed = self.demand_name, self.question.failed
         try:
-            capacity = self.question.capacity or np.nan
+            capacity = self.question.capacity or ANY
             sentence = counted(self.table, demand, failed, capacity).sentence
         except InputError:  # no run has a number
             return f"{self.failed} of {self.runs} runs failed"
@@ -260,6 +261,7 @@ class StudyResult(Result):
         *,
         by: Sequence[str] | None = None,
         failed: Failed = COMPUTED,
+        least: bool = False,
     ) -> "pd.DataFrame":
         """Return mean, fractiles and band of the median of a demand at each temperature.
 
@@ -272,11 +274,14 @@ class StudyResult(Result):
         by : sequence of str, optional
             Columns whose values have separate rows; structures and bearings by default.
         failed : {"computed", "left-out", "collapse"}
-            Treatment of failed runs.
+            Treatment of failed runs. With "computed" those that stopped are larger than all
+            others, so that numbers are upper bounds, and infinite where they do not end.
+        least : bool
+            Lower bounds instead: runs that stopped count with their last values.
         """
         by = tuple(self.things if by is None else by)
         return demand_against(
-            self.table, demand or self.default_demand, across, by=by, failed=failed
+            self.table, demand or self.default_demand, across, by=by, failed=failed, least=least
         )
 
     def ida(self, demand: str | None = None, *, failed: Failed = COMPUTED) -> Ida:
@@ -499,8 +504,8 @@ class StudyResult(Result):
             others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
             with suppress(InputError):  # too few runs are left for a regression
                 for name, curve in others.all_curves().items():
-                    if curve.is_drawable and not curve.beyond_levels:
-                        medians.setdefault(name, {})[treatment] = curve.median
+                    median = curve.median if curve.has_median else np.nan
+                    medians.setdefault(name, {})[treatment] = median
         return {
             name: others
             for name, others in medians.items()
@@ -663,10 +668,9 @@ class StudyResult(Result):
 
 
 def _differs(curve: Fragility, median: float) -> bool:
-    """Return whether another median differs noticeably from that of a curve, if it has one."""
-    # Without a curve, or with its median beyond the runs, every number differs.
-    if not curve.is_drawable or curve.beyond_levels:
-        return True
+    """Return whether another median, NaN for none, differs noticeably from that of a curve."""
+    if not curve.has_median or np.isnan(median):
+        return curve.has_median or bool(np.isfinite(median))
     return abs(median - curve.median) > MEDIAN_DIFFERENCE * curve.median
 
 

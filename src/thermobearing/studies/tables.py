@@ -14,7 +14,8 @@ from thermobearing.quantities.words import counted, joined, number, percent
 from thermobearing.report.content import words
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.designs import AMBIENT, Plan
-from thermobearing.studies.statistics.demand import LEVEL, Failed
+from thermobearing.studies.statistics.demand import ANY, LEVEL, Failed
+from thermobearing.studies.statistics.demand import counted as count_failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
 from thermobearing.studies.statistics.likelihood import with_intensity_unit
@@ -31,7 +32,7 @@ RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
 RATE_UNITS |= {"return_period_years": "year"}
 # Columns that are not in a table of curves.
-IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "computed", "sentence"]
+IN_CAPTION = ["method", "capacity", "left_out", "collapsed", "computed", "larger", "sentence"]
 
 
 def column_words(column: str) -> str:
@@ -84,7 +85,6 @@ def failures_table(failures: "pd.DataFrame") -> Table:
 
 def answer(result: "StudyResult") -> list[str]:
     """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
-    demand = result.demand_name
     modes = [
         f"{row['runs']} {row['outcome'].replace('_', ' ')}"
         for row in count_failures(result.table).to_dict("records")
@@ -96,22 +96,11 @@ def answer(result: "StudyResult") -> list[str]:
     )
     sentences = [f"{completion}{lost}."]
     parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
-    for prefix, part in parts.items() if _has_curves(result) else ():
-        sentences += _median_sentences(part, prefix)
-    if AMBIENT in result.factors:
-        unit = f" {find_unit(demand)}".rstrip()
-        intensities = result.table[result.intensity].nunique()
-        pooled = f", over all {intensities} intensities together" if intensities > 1 else ""
-        for prefix, part in parts.items():
-            rows = part.demand(demand, by=(), failed=result.question.failed).to_dict("records")
-            ends = " and ".join(
-                f"{number(row['0.5'])}{unit} at {number(row[AMBIENT])} °C"
-                for row in (rows[0], rows[-1])
-            )
-            the = "the" if prefix else "The"
-            sentences.append(
-                f"{prefix}{the} median of the {column_words(demand)} is {ends}{pooled}."
-            )
+    for prefix, part in parts.items():
+        medians = _median_sentences(part, prefix) if _has_curves(result) else []
+        if not medians and AMBIENT in result.factors:
+            medians = _demand_sentences(part, prefix)
+        sentences += medians
     if result.question.hazard is not None:
         for prefix, part in parts.items():
             curves, rates = part.find_rates()
@@ -132,6 +121,47 @@ def answer(result: "StudyResult") -> list[str]:
     return sentences
 
 
+MOST_STATED = 10  # levels of the intensity whose medians a sentence has
+
+
+def _demand_sentences(part: "StudyResult", prefix: str) -> list[str]:
+    """Return the median demand at each intensity, at the lowest and the highest temperature.
+
+    A median over all intensities together would say which levels were chosen. None of so many
+    intensities that each run has its own.
+    """
+    demand, failed = part.demand_name, part.question.failed
+    is_measure = part.study.factors.scale.of == "intensity" or "scale" not in part.table
+    level = part.intensity if is_measure else "scale"
+    levels = np.unique(part.table[level]).tolist() if level in part.table else [None]
+    if len(levels) > MOST_STATED:
+        return []
+    by = (level,) if len(levels) > 1 else ()
+    rows, least = (part.demand(demand, by=by, failed=failed, least=end) for end in (False, True))
+    unit = f" {find_unit(demand)}".rstrip()
+    rows["stated"] = [
+        text if isinstance(text, str) else number(text)
+        for text in between_words(least["0.5"], rows["0.5"])
+    ]
+    temperatures = np.unique(rows[AMBIENT])
+    if len(levels) > 1 and len(temperatures) * len(levels) != len(rows):
+        return []  # classes of drawn temperatures, which not every intensity has
+    texts = [
+        f"{joined(rows['stated'][rows[AMBIENT] == at])}{unit} at {number(at)} °C"
+        for at in temperatures[[0, -1]]
+    ]
+    the, where = "the" if prefix else "The", ""
+    if len(levels) > 1:
+        stated = joined(f"{value:.3g}" for value in levels)
+        where = f" at {column_words(level)} = {stated} {find_unit(level)}".rstrip()
+    verb = "are" if where else "is"
+    plural = "s" if where else ""
+    return [
+        f"{prefix}{the} median{plural} of the {column_words(demand)}{where} {verb} "
+        f"{' and '.join(texts)}."
+    ]
+
+
 def _over(name: str) -> str:
     """Return what a curve of all temperatures together is over, in words."""
     return f"over {'the ' * (name == CLIMATE)}{name}"
@@ -145,13 +175,14 @@ def _has_curves(result: "StudyResult") -> bool:
 def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     """Return the median intensities of the coldest and warmest curve and of all together."""
     curves, unit = part.all_curves(), find_unit(part.intensity)
-    texts = []
+    texts, missing = [], []
     # The first, the last temperature, and the climate if any.
     separate = [name for name in curves if name not in TOGETHER]
     together = [name for name in curves if name in TOGETHER]
     for name in dict.fromkeys([*separate[:1], *separate[-1:], *together]):
         curve = curves[name]
-        if not curve.is_drawable or curve.beyond_levels:
+        if not curve.has_median:
+            missing.append(_temperature(name) if name not in TOGETHER else _over(name))
             continue
         row = curve.row()
         band = f" ({row['median_low']:.3g} to {row['median_high']:.3g})"
@@ -165,9 +196,14 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     if not texts:
         return []
     the = "the" if prefix else "The"
+    none = (
+        f"; no median {'at ' * (missing[0] not in map(_over, TOGETHER))}{joined(missing)}"
+        if missing
+        else ""
+    )
     return [
         f"{prefix}{the} {column_words(part.demand_name)} exceeds {limit_words(part)} with a "
-        f"probability of one half at {column_words(part.intensity)} = {joined(texts)}."
+        f"probability of one half at {column_words(part.intensity)} = {joined(texts)}{none}."
     ]
 
 
@@ -195,19 +231,13 @@ def column_units(result: "StudyResult") -> dict[str, str]:
 
 def result_tables(result: "StudyResult") -> dict[str, Table]:
     """Return failures, demand, fragility, rates and variance, as far as the study has them."""
-    demand, question = result.demand_name, result.question
+    demand = result.demand_name
     tables: dict[str, Table] = {}
     failures = count_failures(result.table)
     if len(failures):
         tables["outcomes"] = failures_table(failures)
     if AMBIENT in result.factors:
-        table = result.demand(demand, failed=question.failed)
-        shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
-        ends = ("median_low", "median_high")
-        heads = shares | {end: _head(_with_level(end, percent(LEVEL))) for end in ends}
-        units = dict.fromkeys(["mean", *shares, "median_low", "median_high"], find_unit(demand))
-        caption = f"{column_words(demand)} by ambient temperature{_of_runs(result)}"
-        tables["demand"] = _table(table, caption, units=units, heads=heads)
+        tables["demand"] = _demand_table(result)
     if _has_curves(result):
         for name, part in result.parts().items():
             tables |= _curve_tables(part, name)
@@ -219,6 +249,43 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         caption = f"Shares of the variance of the {column_words(demand)}"
         tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return tables
+
+
+def _demand_table(result: "StudyResult") -> Table:
+    """Return mean, fractiles and median of the demand by temperature, with its failed runs."""
+    demand, failed = result.demand_name, result.question.failed
+    table = result.demand(demand, failed=failed)
+    least = result.demand(demand, failed=failed, least=True)
+    shares = {c: f"{100 * float(c):g} %" for c in map(str, table) if c.startswith("0.")}
+    ends = ("median_low", "median_high")
+    for name in ("mean", *shares):
+        table[name] = between_words(least[name], table[name])
+    table["median_low"] = least["median_low"]
+    few = table["median_high"].isna().to_numpy() & (table["runs"] > 0).to_numpy()
+    _mark_cells(table, few, ends)
+    heads = shares | {end: _head(_with_level(end, percent(LEVEL))) for end in ends}
+    heads |= {"runs": "Runs counted", "all_runs": "Of runs", "failed": "Of these failed"}
+    pooled = pooled_words(result)
+    caption = f"{column_words(demand)} by ambient temperature{pooled}{_of_runs(result)}"
+    count = count_failed(result.table, demand, failed, ANY).sentence
+    units = dict.fromkeys(["mean", *shares, *ends], find_unit(demand))
+    return _table(table, caption, units=units, heads=heads, note=f"{count}.")
+
+
+def between_words(least: "pd.Series", most: "pd.Series") -> "pd.Series":
+    """Return numbers where bounds are equal, and words where runs that stopped leave a range."""
+    texts = most.astype(object)
+    for row in np.flatnonzero(np.isfinite(least) & (least != most)).tolist():
+        low, high = float(least.iloc[row]), float(most.iloc[row])
+        end = f"{low:.4g} to {high:.4g}" if np.isfinite(high) else f"at least {low:.4g}"
+        texts.iloc[row] = end
+    return texts if (least != most).any() else most
+
+
+def pooled_words(result: "StudyResult") -> str:
+    """Return ", over all 8 intensities together" of several intensities; "" of one."""
+    intensities = result.table[result.intensity].nunique()
+    return f", over all {intensities} intensities together" if intensities > 1 else ""
 
 
 def _with_level(end: str, level: str) -> str:
@@ -321,8 +388,11 @@ def _curve_notes(
             stated = joined(
                 f'{with_intensity_unit(median, unit)} with failed = "{treatment}"'
                 for treatment, median in others.items()
+                if np.isfinite(median)
             )
-            text += f"{count}; the median is {stated}"
+            missing = joined(f'"{name}"' for name, median in others.items() if np.isnan(median))
+            text += f"{count}; the median is {stated}" if stated else count
+            text += f"; there is no median with failed = {missing}" if missing else ""
         notes.setdefault(text, []).append(_temperature(level))
     for level, curve in curves.items():
         # The numbers of a misfit, which differ from curve to curve, are in the warnings.
@@ -343,12 +413,14 @@ def _curve_notes(
 
 
 def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> None:
-    """Put words in place of the bands of few motions, and of medians beyond all intensities."""
+    """Put words in place of the bands of few motions, and of medians that are no results."""
     beyond = np.array([bool(curve.beyond_levels) for curve in curves.values()])
     with_few_motions = np.array([bool(curve.few_motions) for curve in curves.values()])
     sizes = [name for name in map(str, table) if name.startswith(("median", "dispersion"))]
     # A curve is there, but no number of it is a result.
-    table.loc[beyond & (table["outcome"] == COMPLETED), "outcome"] = "too few levels"
+    table.loc[beyond & (table["outcome"] == COMPLETED), "outcome"] = [
+        curve.few_words for curve in curves.values() if curve.beyond_levels and curve.estimate.known
+    ]
     _mark_cells(table, beyond, sizes)
     _mark_cells(
         table,

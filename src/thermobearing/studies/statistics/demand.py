@@ -1,10 +1,11 @@
 """Demand of the runs of a study: failed runs, demand by temperature, bootstrap, worst runs.
 
 Failed runs count with the demand that was computed, where it was computed to the end, are left out,
-or count as collapse, as the user chooses; each result reports their numbers. The band of a
-median lies between the two ordered values that contain the true one with the wanted confidence for
-any distribution (binomial: Conover 1999, Practical Nonparametric Statistics, 3.2); it takes the
-runs as independent.
+or count as collapse, as the user chooses; each result reports their numbers. A run that stopped has
+a demand of at least its last value: ordered values below the smallest of these are not affected.
+The band of a median comes from the bootstrap over motions. Of one motion it lies between the two
+ordered values that contain the true one with the wanted confidence for any distribution (binomial:
+Conover 1999, Practical Nonparametric Statistics, 3.2), which takes the runs as independent.
 
 Runs of one motion at several intensities and temperatures are not independent. The bootstrap
 therefore resamples motions with all their runs (cluster bootstrap: Davison & Hinkley 1997,
@@ -51,6 +52,8 @@ NOT_COMPARED = (
 )
 FEW_BEYOND = 0.05  # of the runs: fewer do not move the fractiles that tables state
 ROUNDING = 1e-9  # of a number of samples
+LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
+ANY = -np.inf  # capacity that every demand exceeds: runs that stopped count with all others
 MOST_AT_ONCE = 2_000_000  # numbers of one piece of work
 
 
@@ -163,7 +166,7 @@ def percentiles(samples: Floats, level: float) -> tuple[Floats, Floats]:
 Failed: TypeAlias = Literal["computed", "left-out", "collapse"]
 TREATMENTS: tuple[Failed, ...] = get_args(Failed)
 COMPUTED: Failed = "computed"  # the treatment that is not stated
-OUTCOME = "outcome"
+OUTCOME, MOTION = "outcome", "motion"
 NEVER_RUN = (BAD_INPUT, BROKEN)  # they do not describe the structure
 
 
@@ -176,6 +179,7 @@ class Counted:
     left_out: int  # number of failed runs that are left out, that count as collapse, and that
     collapsed: int  # count with the demand that was computed
     computed: int
+    larger: int  # number of the collapsed that stopped at a smaller demand
     kept: NDArray[np.bool_]  # whether each row of the full table counts, and whether it completed
     completed: NDArray[np.bool_]
 
@@ -183,11 +187,13 @@ class Counted:
     def sentence(self) -> str:
         """How many runs failed and how they count."""
         runs = len(self.table) + self.left_out
-        return describe_failures(runs, self.left_out, self.collapsed, self.computed)
+        return describe_failures(runs, self.left_out, self.collapsed, self.computed, self.larger)
 
 
-def describe_failures(runs: int, left_out: int, collapsed: int, computed: int = 0) -> str:
-    """Return how many runs failed and how they count.
+def describe_failures(
+    runs: int, left_out: int, collapsed: int, computed: int = 0, larger: int = 0
+) -> str:
+    """Return how many runs failed and how they count; `larger` are some of the `collapsed`.
 
     >>> describe_failures(40, 2, 0)
     '2 of 40 runs failed and are left out'
@@ -199,8 +205,9 @@ def describe_failures(runs: int, left_out: int, collapsed: int, computed: int = 
         return f"{runs} runs, none failed"
     counts = {
         "counted with the computed demand": computed,
+        "counted as larger than their last value": larger,
         "left out": left_out,
-        "counted as collapse": collapsed,
+        "counted as collapse": collapsed - larger,
     }
     parts = {treatment: count for treatment, count in counts.items() if count}
     verb = "is" if failed == 1 else "are"
@@ -225,8 +232,8 @@ def failure_rule(demand: str, failed: Failed) -> str:
         computed = "A run whose pier exceeded its limits counts with the demand that was computed"
         return (
             f"{of_pier if is_of_pier(demand) else computed}; one that stopped early counts as "
-            "collapse where it had exceeded the capacity, and is left out elsewhere "
-            '(failed = "computed"; others are "left-out" and "collapse").'
+            "larger than its last value, so that a fragility of a capacity above that leaves it "
+            'out (failed = "computed"; others are "left-out" and "collapse").'
         )
     pier = (
         f"{of_pier}; other failed runs"
@@ -265,21 +272,27 @@ def counted(
     Without a column `outcome` all runs completed. Runs with bad input or a program error are
     always left out. A run whose pier exceeded its limits exceeds every capacity of a pier. It is
     computed to the end of the motion, so that its other demands count if `failed` is "computed".
-    Then a run that stopped after it had reached `capacity` counts as collapse.
+    Then a run that stopped after it had reached `capacity` has an infinite demand; with `ANY`
+    every run that stopped has.
     """
     if failed not in TREATMENTS:
         choices = " or ".join(f'"{name}"' for name in TREATMENTS)
         raise InputError(f"failed must be {choices}, not {failed!r}")
     values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
-    exceeding, computed = ~completed, ~completed  # runs that exceed every level of this demand
+    exceeding, computed, stopped = (
+        ~completed,
+        ~completed,
+        ~completed,
+    )  # runs that exceed every level of this demand
     if OUTCOME in table:
         completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
         modes = (UNSTABLE, PIER_BEYOND_LIMIT) if is_of_pier(demand) else (UNSTABLE,)
         exceeding = table[OUTCOME].isin(modes).to_numpy(dtype=bool)
     if OUTCOME in table and failed == COMPUTED:
         computed = ~exceeding & _computed_to_the_end(table) & np.isfinite(values)
-        exceeding = exceeding | (_stopped(table) & (values >= capacity))
+        stopped = ~exceeding & _stopped(table) & (values >= capacity)
+        exceeding = exceeding | stopped
     _refuse_missing(values, completed, demand)
     kept = completed | exceeding | computed
     if not kept.any():
@@ -294,6 +307,7 @@ def counted(
         left_out=int((~kept).sum()),
         collapsed=int(np.isinf(demands).sum()),
         computed=int(computed.sum()),
+        larger=int(stopped.sum()),
         kept=kept,
         completed=completed,
     )
@@ -400,13 +414,15 @@ def demand_against(
     *,
     by: Sequence[str] = (),
     failed: Failed = COMPUTED,
+    least: bool = False,
 ) -> "pd.DataFrame":
     """Return mean, `FRACTILES` and band of the median of a demand at each temperature.
 
     More than 20 different values of `across` are put into 12 classes of equal size, at their
-    mean; each combination of the columns `by` has its rows. A collapse is an infinite demand.
+    mean; each combination of the columns `by` has its rows. A collapse is an infinite demand, and
+    so is that of a run that stopped, unless the `least` values are wanted: those with its last one.
     """
-    runs = counted(table, demand, failed)
+    runs = counted(table, demand, failed, ANY)
     abscissae = _numbers(table, across)
     values, place = np.unique(abscissae, return_inverse=True)
     if len(values) > MOST_LEVELS:
@@ -415,6 +431,11 @@ def demand_against(
     labels = list(zip(*(column(table, name) for name in by), strict=True)) or [()] * len(table)
     demands = np.full(len(table), np.nan)
     demands[runs.kept] = runs.demand
+    if least and failed == COMPUTED and OUTCOME in table:
+        stopped = _stopped(table) & np.isfinite(_numbers(table, demand))
+        demands[stopped] = _numbers(table, demand)[stopped]
+    motions = column(table, MOTION) if MOTION in table else None
+    draw = Draw.of_labels(motions, len(table))
     cells: dict[tuple[Any, ...], list[int]] = {}
     for run, label in enumerate(labels):
         cells.setdefault((label, int(place[run])), []).append(run)
@@ -422,11 +443,33 @@ def demand_against(
     order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
     for label, cell in sorted(cells, key=lambda key: (order[key[0]], key[1])):
         indices = np.array(cells[label, cell])
-        ordered = np.sort(demands[indices][~np.isnan(demands[indices])])
+        inside = indices[~np.isnan(demands[indices])]
+        inside = inside[np.argsort(demands[inside], kind="stable")]
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
-        row |= {"runs": len(ordered), "failed": int((~runs.completed[indices]).sum())}
-        rows.append(row | _spread(ordered))
+        row |= {"runs": len(inside), "all_runs": len(indices)}
+        row |= {"failed": int((~runs.completed[indices]).sum())}
+        spread = _spread(demands[inside])
+        if not draw.alone and len(inside):
+            spread |= _median_band(demands[inside], replace(draw, groups=draw.groups[inside]))
+        rows.append(row | spread)
     return pd.DataFrame(rows)
+
+
+def _median_band(ordered: Floats, draw: Draw) -> dict[str, float]:
+    """Return the band of the median of ordered values, from the bootstrap over motions."""
+    groups = len(np.unique(draw.groups))
+    if groups < LEAST_MOTIONS:
+        return {"median_low": np.nan, "median_high": np.nan}
+    medians = []
+    for weights in draw.weights():
+        rows = max(1, MOST_AT_ONCE // len(ordered))
+        for first in range(0, len(weights), rows):
+            sums = weights[first : first + rows][:, draw.groups].cumsum(axis=1)
+            # Motions without a run here may be drawn alone: such samples have no median.
+            sums = sums[sums[:, -1] > 0.0]
+            medians.append(ordered[(sums >= 0.5 * sums[:, -1:]).argmax(axis=1)])
+    low, high = percentiles(np.concatenate(medians), widened(LEVEL, groups))
+    return {"median_low": float(low), "median_high": float(high)}
 
 
 def _spread(ordered: Floats) -> dict[str, float]:

@@ -41,8 +41,10 @@ from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import (
     COMPUTED,
     FEW_BEYOND,
+    LEAST_MOTIONS,
     LEVEL,
     MOST_LEVELS,
+    MOTION,
     SAMPLES,
     Counted,
     Draw,
@@ -71,8 +73,7 @@ from thermobearing.studies.statistics.likelihood import (
 
 FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
-MOTION = "motion"
-LEAST_MOTIONS = 5  # our choice: a bootstrap of fewer gives no band
+LEAST_BEYOND = 3  # exceedances; our choice: fewer determine no median
 LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
 STEEP = 2.0  # power of the intensity up to which the demand is interpolated between two runs
 COARSE = 2.0  # ratio of intensities around a capacity, in logarithms, over the dispersion
@@ -252,6 +253,7 @@ class Fragility:
     left_out: int  # number of failed runs that are left out, that count as collapse, and that
     collapsed: int  # count with the demand that was computed
     computed: int = 0
+    larger: int = 0  # number of the collapsed that stopped beyond the capacity
     # number of runs that count and of all, at intensities where more than a few are left out
     incomplete: Mapping[float, tuple[int, int]] = field(default_factory=dict)
 
@@ -277,7 +279,7 @@ class Fragility:
     def sentence(self) -> str:
         """How many runs failed and how they count."""
         runs = self.runs + self.left_out
-        return describe_failures(runs, self.left_out, self.collapsed, self.computed)
+        return describe_failures(runs, self.left_out, self.collapsed, self.computed, self.larger)
 
     @property
     def incomplete_levels(self) -> str:
@@ -342,13 +344,29 @@ class Fragility:
 
     @property
     def beyond_levels(self) -> str:
-        """Why the median is no result: it is above all intensities; "" where it is one."""
+        """Why the median is no result; "" where it is one, or where there is none.
+
+        It is above all intensities, or fewer than `LEAST_BEYOND` runs exceed the capacity.
+        """
+        beyond = int(self.counts["beyond"].sum())
+        if self.median > 0.0 and beyond < LEAST_BEYOND:
+            return f"too few exceedances: {beyond} of {self.runs} runs exceed the capacity"
         largest = float(self.counts[self.intensity].max())
         if not self.median > largest:
             return ""
         return (
             f"too few levels: the median is beyond the largest intensity of the runs, {largest:.3g}"
         )
+
+    @property
+    def few_words(self) -> str:
+        """What there is too little of for a median: "too few levels", or ""."""
+        return self.beyond_levels.partition(":")[0]
+
+    @property
+    def has_median(self) -> bool:
+        """Whether there is a curve whose median is a result."""
+        return self.is_drawable and not self.beyond_levels
 
     @property
     def coarse(self) -> str:
@@ -445,6 +463,7 @@ class Fragility:
             "left_out": self.left_out,
             "collapsed": self.collapsed,
             "computed": self.computed,
+            "larger": self.larger,
             "outcome": self.outcome,
             "sentence": self.estimate.sentence or self.sentence,
         }
@@ -470,6 +489,7 @@ def combine_curves(
         left_out=sum(curve.left_out for curve in fragilities),
         collapsed=sum(curve.collapsed for curve in fragilities),
         computed=sum(curve.computed for curve in fragilities),
+        larger=sum(curve.larger for curve in fragilities),
         incomplete={},  # those of the temperatures stay with their curves
     )
 
@@ -597,6 +617,7 @@ def _fragility(
         left_out=runs.left_out,
         collapsed=runs.collapsed,
         computed=runs.computed,
+        larger=runs.larger,
         incomplete=_incomplete(table[intensity].to_numpy(dtype=float), runs.kept),
     )
 
