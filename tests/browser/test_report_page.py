@@ -253,6 +253,20 @@ def test_a_shadow_shows_on_which_side_a_table_goes_on(opened: Any) -> None:
     assert _dark() == [True, False]
 
 
+@pytest.mark.parametrize("opened", [{"viewport": BROAD}, {"viewport": NARROW}], indirect=True)
+def test_no_column_covers_another(opened: Any) -> None:
+    """Cells of a row lie beside each other, also where a table is scrolled."""
+    overlaps = opened.locator(".scroll").evaluate_all(
+        """(tables) => tables.map((table) => Math.max(0, ...[...table.querySelectorAll("tr")].map(
+            (row) => Math.max(0, ...[...row.children].slice(1).map((cell, k) =>
+                row.children[k].getBoundingClientRect().right - cell.getBoundingClientRect().left
+            ))
+        )))"""
+    )
+    assert overlaps
+    assert max(overlaps) < 1.0
+
+
 LOOKS = [  # the first as in test_each_report.py
     pytest.param("light", BROAD, id="light", marks=pytest.mark.thorough),
     pytest.param("dark", NARROW, id="dark"),

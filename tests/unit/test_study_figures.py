@@ -303,3 +303,22 @@ def test_a_median_from_too_few_exceedances_has_no_curve() -> None:
         for line in figure.axes[0].lines
         if line.get_linestyle() == "-" and len(line.get_xdata())
     ]
+
+
+@pytest.mark.parametrize(("shares", "mixed"), [([0, 3, 12], 1), ([0, 2, 5, 10, 12], 0)])
+def test_too_few_intensities_with_both_outcomes_are_named(shares: list[int], mixed: int) -> None:
+    levels = len(shares)
+    table = pd.DataFrame(
+        {
+            "motion": np.tile(np.arange(12), levels),
+            "im": np.repeat(np.arange(1.0, levels + 1.0), 12),
+            "drift": (np.tile(np.arange(12), levels) < np.repeat(shares, 12)).astype(float) + 0.5,
+        }
+    )
+    if mixed:  # one more level with both outcomes gives a dispersion
+        table.loc[table.index[0], "drift"] = 1.5
+    curve = fragility_curve(table, "drift", 1.0, "im", samples=9)
+    assert curve.has_median
+    assert bool(curve.few_mixed) == bool(mixed)
+    if mixed:
+        assert curve.few_mixed.startswith("2 intensities")

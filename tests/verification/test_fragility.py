@@ -17,7 +17,13 @@ from thermobearing.studies.statistics.fragility import (
 )
 from thermobearing.studies.statistics.hazard import Hazard, Rate, annual_rate, ratio, shares_of_time
 from thermobearing.studies.statistics.likelihood import Curves, Estimate
-from thermobearing.studies.statistics.variance import _sobol_indices, sobol_table, variance_shares
+from thermobearing.studies.statistics.variance import (
+    WIDE,
+    _sobol_indices,
+    sobol_table,
+    variance_shares,
+    wide_note,
+)
 
 MEDIAN, DISPERSION = 1.0, 0.4
 LEVELS = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0])
@@ -473,6 +479,19 @@ def test_bands_of_indices_hold_the_truth_as_often_as_they_say() -> None:
         held[3:] += (found["total_low"] <= TOTAL) & (found["total_high"] >= TOTAL)
     assert held.min() / times > tolerances.LEAST_COVERAGE
     assert held.mean() < times
+
+
+def test_samples_that_make_a_wide_band_narrow() -> None:
+    """A band of Sobol' indices is as wide as 1 / sqrt(n): the stated samples make it 0.2."""
+    widths = {}
+    for rows in (64, 1024):
+        values = arranged(rows, np.random.default_rng(rows), sobol=False)
+        indices = sobol_table(as_table(values), "drift")
+        widths[rows] = (indices["first_high"] - indices["first_low"]).max(), wide_note(indices)
+    assert widths[64][0] > WIDE
+    needed = int(widths[64][1].partition("some ")[2].split()[0])
+    assert needed >= 64 * (widths[64][0] / WIDE) ** 2 > 0.5 * needed
+    assert not widths[1024][1] or widths[1024][0] > WIDE
 
 
 def test_a_failed_run_leaves_all_matrices() -> None:

@@ -304,7 +304,7 @@ def _show_forecast(study: Any, jobs: int | None, quiet: bool) -> Answer:
             "motions": f"{estimate.motions} to be generated first, "
             f"{say_duration(estimate.motion_seconds)} each",
             "total": f"{say_duration(max(estimate.whole_seconds, 1.0))} "
-            f"with --jobs {estimate.jobs}",
+            f"with --jobs {estimate.jobs}, without the start of these processes",
             "size": f"at most {size}",
         }
         if not estimate.motions:

@@ -74,6 +74,7 @@ from thermobearing.studies.statistics.variance import (
     find_lost,
     sobol_table,
     variance_shares,
+    wide_note,
 )
 from thermobearing.studies.store import MANIFEST, STUDY, Store
 from thermobearing.studies.tables import answer, column_words, find_unit, result_tables
@@ -193,6 +194,12 @@ class StudyResult(Result):
         if self.has_variance and (lost := self.lost_demands()).many:
             sentence = f"shares of the variance: {lost.sentence}"
             messages.append(Warned(sentence, "variance_incomplete", UNUSABLE))
+        if self._has_sobol_design and self.has_variance:
+            with suppress(InputError):  # the demand is the same in all runs
+                indices = self.variance(self.demand_name)
+                indices["factor"] = indices["factor"].map(column_words)
+                if wide := wide_note(indices):
+                    messages.append(Warned(wide, "wide_indices"))
         if MATRIX in self.table and not self._has_sobol_design:
             ratios = (
                 "the shares of variance are correlation ratios, not Sobol' indices, which need "

@@ -402,6 +402,7 @@ def _curve_notes(
             curve.beyond_levels,
             curve.wide_bands,
             curve.mixture,
+            curve.few_mixed,
             curve.coarse.partition(",")[0],
             misfit,
         )

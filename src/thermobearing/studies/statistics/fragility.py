@@ -74,6 +74,7 @@ from thermobearing.studies.statistics.likelihood import (
 FRACTILES = (0.16, 0.5, 0.84)
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 LEAST_BEYOND = 3  # exceedances; our choice: fewer determine no median
+LEAST_MIXED = 3  # intensities with both outcomes, of which a dispersion says something
 LEAST_AT_LEVEL = 3  # runs of a stripe, of which a share says something
 STEEP = 2.0  # power of the intensity up to which the demand is interpolated between two runs
 COARSE = 2.0  # ratio of intensities around a capacity, in logarithms, over the dispersion
@@ -382,6 +383,24 @@ class Fragility:
             f"{self.estimate.between} capacities of single curves lie between intensities with the "
             f"ratio {ratio:.3g}, which is wide for a dispersion of {self.dispersion:.2g}: median "
             "and dispersion rest on the lognormal shape; add intensities between"
+        )
+
+    @property
+    def few_mixed(self) -> str:
+        """Why the dispersion of stripes is hardly determined; "" where it is.
+
+        Intensities at which no run or all runs exceed the capacity say little of it, so that fewer
+        than `LEAST_MIXED` others leave bootstrap samples with separated levels.
+        """
+        shares = self.counts["beyond"] / self.counts["runs"]
+        mixed = int(((shares > 0.0) & (shares < 1.0)).sum())
+        in_stripes = self.method == "stripes" and self.counts["runs"].min() >= LEAST_AT_LEVEL
+        if not in_stripes or not self.has_median or mixed >= LEAST_MIXED:
+            return ""
+        verb = "intensity has" if mixed == 1 else "intensities have"
+        return (
+            f"{mixed} {verb} exceedances and non-exceedances: dispersion and band rest on them, "
+            "so that intensities near the median are worth adding"
         )
 
     @property

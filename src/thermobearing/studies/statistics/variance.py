@@ -12,6 +12,7 @@ squared: Kelley 1935, PNAS 21: 554-559). In a full factorial design the ratios a
 add up to one.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -26,6 +27,7 @@ from thermobearing.studies.statistics.demand import (
     FEW_BEYOND,
     LEVEL,
     MOST_LEVELS,
+    ROUNDING,
     SAMPLES,
     Draw,
     column,
@@ -42,6 +44,7 @@ MOST_CLASSES = 60
 MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
 SAMPLING_ERROR = -0.05  # of the variance; a share that is nothing may be as small
 SELECTIVE = 1.5  # share of a level in the lost runs over that in all, from which it is named
+WIDE = 0.2  # width of the band of a first-order index, our choice
 REST = "interaction and rest"  # row of the interaction of factors
 
 
@@ -225,6 +228,29 @@ def _concentration(
             stated = f"{level:.4g} {unit}".rstrip() if isinstance(level, float) else str(level)
             texts.append(f"{most} have {words} {stated}")
     return f"of {total} failed runs {joined(texts)}" if texts else ""
+
+
+def wide_note(indices: "pd.DataFrame") -> str:
+    """Return how wide the bands of Sobol' indices of first order are, with a remedy, or "".
+
+    The variance of an index decreases as 1/n with the number of samples.
+
+    >>> row = {"factor": ["ambient"], "first": [0.3], "first_low": [0.1], "first_high": [0.5]}
+    >>> wide_note(pd.DataFrame(row).assign(rows=128)).partition(": ")[2]
+    'some 512 samples make it 0.2 (now 128)'
+    """
+    if "first_low" not in indices:
+        return ""
+    widths = (indices["first_high"] - indices["first_low"]).to_numpy(dtype=float)
+    widest, rows = float(widths.max()), int(indices["rows"].iloc[0])
+    if not widest > WIDE:
+        return ""
+    needed = 2 ** math.ceil(math.log2(rows * (widest / WIDE) ** 2) - ROUNDING)
+    factor = indices["factor"].iloc[int(widths.argmax())]
+    return (
+        f"bands of first-order indices are wide, up to {widest:.2f} ({factor}): some {needed} "
+        f"samples make it {WIDE:g} (now {rows})"
+    )
 
 
 def sampling_note(contributions: "pd.DataFrame") -> str:
