@@ -15,8 +15,8 @@ from thermobearing.studies.statistics.fragility import (
     combine_curves,
     fragility_curve,
     fragility_curves,
-    ida_curves,
 )
+from thermobearing.studies.statistics.ida import ida_curves
 from thermobearing.studies.statistics.likelihood import (
     MOST_STRIPES,
     _classes,

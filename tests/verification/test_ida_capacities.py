@@ -9,7 +9,8 @@ from scipy.optimize import minimize
 from scipy.stats import norm
 
 from tests import tolerances
-from thermobearing.studies.statistics.fragility import fragility_curve, ida_curves
+from thermobearing.studies.statistics.fragility import fragility_curve
+from thermobearing.studies.statistics.ida import ida_curves
 
 MEDIAN, DISPERSION = 8.6, 0.13
 

@@ -25,8 +25,9 @@ from thermobearing.studies.statistics.demand import (
     equal_classes,
     in_classes,
 )
-from thermobearing.studies.statistics.fragility import FRACTILES, Fragility, Ida, describe_wide
+from thermobearing.studies.statistics.fragility import Fragility, describe_wide
 from thermobearing.studies.statistics.hazard import TOGETHER, Hazard, Rate
+from thermobearing.studies.statistics.ida import FRACTILES, Ida
 from thermobearing.studies.statistics.variance import REST, sampling_note
 from thermobearing.studies.tables import column_words, find_unit, limit_words, pooled_words
 

@@ -51,12 +51,10 @@ from thermobearing.studies.statistics.demand import (
 )
 from thermobearing.studies.statistics.fragility import (
     Fragility,
-    Ida,
     Options,
     combine_curves,
     fragility_curve,
     fragility_curves,
-    ida_curves,
 )
 from thermobearing.studies.statistics.hazard import (
     ALL_TEMPERATURES,
@@ -67,6 +65,7 @@ from thermobearing.studies.statistics.hazard import (
     ratio,
     shares_of_time,
 )
+from thermobearing.studies.statistics.ida import Ida, ida_curves
 from thermobearing.studies.statistics.variance import (
     LEAST_ROWS,
     MATRIX,
