@@ -508,10 +508,13 @@ class StudyResult(Result):
                 continue
             changed = self.question.model_copy(update={"failed": treatment})
             others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
+            other_curves = {}
             with suppress(InputError):  # too few runs are left for a regression
-                for name, curve in others.all_curves().items():
-                    median = curve.median if curve.has_median else np.nan
-                    medians.setdefault(name, {})[treatment] = median
+                other_curves = others.all_curves()
+            for name in curves:
+                curve = other_curves.get(name)
+                median = curve.median if curve is not None and curve.has_median else np.nan
+                medians.setdefault(name, {})[treatment] = median
         return {
             name: others
             for name, others in medians.items()
