@@ -206,6 +206,10 @@ def test_sentences_have_no_median_of_all_intensities_together() -> None:
     assert len(single.notes()) == 2
     levels = made_up().select(bearing="shen-hdr-bridge")
     sentence = levels.notes()[1]
+    collapsed = ask(levels, failed="collapse").notes()[1]
+    assert "collapse" in collapsed
+    assert "collapse" not in sentence
+    assert "inf" not in collapsed
     for ambient in (-20.0, 23.0):
         for scale in (0.25, 2.0):
             median = levels.select(ambient_degC=ambient, scale=scale).table["pier_ductility"]

@@ -140,7 +140,7 @@ def _demand_sentences(part: "StudyResult", prefix: str) -> list[str]:
     rows, least = (part.demand(demand, by=by, failed=failed, least=end) for end in (False, True))
     unit = f" {find_unit(demand)}".rstrip()
     rows["stated"] = [
-        text if isinstance(text, str) else number(text)
+        text if isinstance(text, str) else number(text) if np.isfinite(text) else "collapse"
         for text in between_words(least["0.5"], rows["0.5"])
     ]
     temperatures = np.unique(rows[AMBIENT])
