@@ -34,7 +34,7 @@ SEARCHED = {
     "K-NET": "guide/motions.md",
     "PEER": "guide/motions.md",
     "response spectrum": "guide/motions.md",
-    "TCL": "guide/opensees.md",
+    "TCL": "guide/opensees_element.md",
     "LeadRubberX": "guide/opensees_space.md",
     "SAP2000": "guide/exchange.md",
     "midas": "guide/exchange.md",

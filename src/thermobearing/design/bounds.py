@@ -265,6 +265,10 @@ BOUNDS_NOTE = (
     "Each bound is a bilinear loop that matches peak force and energy of its cycle; its Q_d is "
     "therefore larger than that of the real loop, which the factors use"
 )
+VIRGIN_BOUND = (
+    "The lower and the upper bound are of tested rubber. The bound of virgin rubber governs "
+    "forces, the lower bound displacements"
+)
 
 
 def bound_models(
@@ -337,6 +341,8 @@ def opensees_text(models: "pd.DataFrame", name: str, language: str) -> str:
         "# Use one of the materials in a zeroLength element, direction 1, per bearing.",
         f"# {BOUNDS_NOTE}.",
     ]
+    if "virgin" in set(models["bound"]):
+        lines.append(f"# {VIRGIN_BOUND}.")
     if language == "python":
         lines.append("import openseespy.opensees as ops")
     for tag, row in enumerate(models.to_dict("records"), 1):

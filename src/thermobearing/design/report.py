@@ -9,6 +9,7 @@ from thermobearing import reported
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.design import tables
+from thermobearing.design.bounds import VIRGIN_BOUND
 from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import of_group
 from thermobearing.design.result import USABLE
@@ -124,7 +125,7 @@ def _factors_pieces(saved: SavedResult) -> Pieces:
             "Every test begins with all parts of the bearing at the ambient temperature; factors "
             f"are relative to {reference}.",
             *reported.model_assumptions({}, [table]),
-            *([tables.VIRGIN_BOUND] if summary["states"] else []),
+            *([f"{VIRGIN_BOUND}."] if summary["states"] else []),
         ],
         **content.saved_parts(saved, "thermobearing.design.run_factors(...) in Python"),
     )

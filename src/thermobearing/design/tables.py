@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.undecided import band_text
 from thermobearing.border.lazy import pd
-from thermobearing.design.bounds import BOUNDS_NOTE
+from thermobearing.design.bounds import BOUNDS_NOTE, VIRGIN_BOUND
 from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import COLLECTED
 from thermobearing.quantities.governing import least_by
@@ -109,10 +109,6 @@ OTHER_REFERENCE = (
     "Relative to {}: published factors refer mostly to 20 °C, and examples of the documentation to "
     "23 °C; --reference makes factors comparable."
 )
-VIRGIN_BOUND = (
-    "The lower and the upper bound are of tested rubber; the third bound, of virgin rubber, is for "
-    "forces."
-)
 STATES_NOTE = (
     "Virgin rubber bounds forces and piers, in its first cycle at the coldest temperature; tested "
     "rubber bounds displacements, in its third cycle at the warmest."
@@ -140,6 +136,7 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     caption = "Lower and upper bilinear model"
     if summary["states"]:
         caption = f"{caption}, also of virgin rubber"
+        bounds_note = f"{VIRGIN_BOUND}. {bounds_note}"
     tables["bounds"] = make_table(bounds, names, caption, keys=4, note=bounds_note)
     names = [*keys, "cycle_Q_d_kN", "cycle_K_2_kN_mm", "cycle_energy_ratio"]
     caption = "The same bounds with the force of the cycle at zero displacement, and its peak force"
