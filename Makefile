@@ -102,7 +102,7 @@ $(SPHINX): $(PROGRAM)
 
 demo: $(PROGRAM)
 	$(BIN)/thermobearing cyclic -o demo --overwrite
-	@echo "next: make kernels (about 3 minutes), then $(BIN)/thermobearing live shen-hdr-bridge -o bearing.html, and open that file"
+	@echo "next: make kernels (about 3 minutes), then $(BIN)/thermobearing live shen-lhdr-bridge -o bearing.html, and open that file"
 
 test: $(TESTS)
 	$(BIN)/python -m pytest --numprocesses $(WORKERS) --dist worksteal -m "not thorough"
