@@ -200,7 +200,7 @@ def damaged(folder: Path, copy: Path, how: str) -> Path:
     return copy
 
 
-DAMAGES = ["truncated", "replaced", "absent", "foreign", "earlier sources", "no description"]
+DAMAGES = ["truncated", "replaced", "absent", "earlier sources", "no description"]
 
 
 @pytest.mark.parametrize("how", DAMAGES)
@@ -208,15 +208,20 @@ def test_a_library_that_differs_is_refused(
     how: str, small_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """numba is taken in its place, and one sentence says so; without numba an error does."""
+    arguments = calls()["core.march.copy_state"]
     monkeypatch.setattr(native, "FOLDER", damaged(small_library, tmp_path / "copy", how))
     monkeypatch.delenv(native.CHOICE, raising=False)
+    monkeypatch.setenv(native.WARNED, "")
     native.open_library.cache_clear()
     kernel: Any = Kernel(march.copy_state.py_func)  # type: ignore[attr-defined]
     try:
-        arguments = calls()["core.march.copy_state"]
         with pytest.warns(UserWarning, match="numba") as said:
             chosen = [runners.choose(kernel, arguments), runners.choose(kernel, arguments)]
         assert len(said) == 1
+        native.open_library.cache_clear()  # as in a process that this one starts
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert native.open_library()[0] is None
         assert chosen == [find_faces(kernel).faces[0].call] * 2
         monkeypatch.setattr(runners, "has_numba", lambda: False)
         with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
@@ -243,6 +248,27 @@ def test_a_library_is_taken_from_the_package_only(
         monkeypatch.setenv(native.CHOICE, "jit")
         native.open_library.cache_clear()
         assert native.open_library()[0] is None
+    finally:
+        native.open_library.cache_clear()
+
+
+def test_libraries_of_other_machines_are_no_reason_to_warn(
+    small_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As after `make kernels KERNELS=wasm32`."""
+    monkeypatch.setattr(native, "FOLDER", damaged(small_library, tmp_path / "copy", "foreign"))
+    monkeypatch.delenv(native.CHOICE, raising=False)
+    native.open_library.cache_clear()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            library, reason = native.open_library()
+        assert library is None
+        assert native.library_name() in reason
+        monkeypatch.setattr(runners, "has_numba", lambda: False)
+        kernel: Any = Kernel(march.copy_state.py_func)  # type: ignore[attr-defined]
+        with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
+            runners.choose(kernel, calls()["core.march.copy_state"])
     finally:
         native.open_library.cache_clear()
 

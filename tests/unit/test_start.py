@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 import typer
 
+import thermobearing as tb
 from tests.docs.test_coverage import nothing_wrong_with_command
 from tests.unit.inputs import command
 from thermobearing.climate.site import find_cold
@@ -28,8 +29,13 @@ def test_without_a_terminal_all_answers_have_defaults(folder: Path) -> None:
     case = load_case(folder / "case.toml")
     assert (case.bearing.name, case.ambient) == (start.BEARING, [23.0, -20.0])
     assert case.test.steps[0].count == 3
-    run = command(*shlex.split(done.stdout)[1:], "--no-figures", "--quiet")
+    lines = (folder / "case.toml").read_text(encoding="utf-8").splitlines()
+    assert all(lines[lines.index(key) - 1].startswith("# ") for key in ("steps = [", "[test]"))
+    run = command(*shlex.split(done.stdout)[1:], "--no-figures")
     assert run.exit_code == 0, run.stderr
+    printed = run.stdout + run.stderr
+    assert "warning" not in printed
+    assert not tb.load_result(folder / "first").warnings
 
 
 def test_a_bridge_with_a_bearing_of_ones_own(folder: Path) -> None:

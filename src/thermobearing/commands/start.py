@@ -15,7 +15,17 @@ from thermobearing.commands.options import Overwrite, command, option
 
 BEARING, AMBIENT, MOTION = "shen-hdr-bridge", "-20", "jra-ii-i-1"  # where nothing is answered
 WARM = 23.0  # the usual temperature of laboratories, with which the cold is compared [degC]
-CYCLES = {"step": "cycles", "strain": 1.75, "wave": "sine", "frequency": "0.5 Hz", "count": 3}
+COMMENTS = {  # on the line above a key of the case
+    "command": "Other keys: docs/files/bridge.md; `thermobearing check` reads this file.",
+    "structure": "A name of `thermobearing list`, or a TOML file of yours.",
+    "bearings": "Names of `thermobearing list`, or TOML files of yours.",
+    "bearing": "A name of `thermobearing list`, or a TOML file of yours.",
+    "motions": "Names of `thermobearing list`, or files of records.",
+    "ambient": "A run each: the warmth of a laboratory, and the cold of the site.",
+    "[test]": "Other keys: docs/files/case.md; `thermobearing check` reads this file.",
+    "steps": "Strain: displacement over the thickness of all rubber. The largest rate of a sine is "
+    "2 pi strain times frequency; results warn where it exceeds that of the bearing's tests.",
+}
 QUESTIONS = {
     "bearing": "Bearing: a name of `thermobearing list`, or your TOML file",
     "tests": "Files of laboratory tests of it, with spaces between; empty: none",
@@ -150,9 +160,27 @@ def _case_text(bearing: str, bridge: str, cold: float, target: Path) -> str:
         make_earthquake_case(table, str(target), folder)
     else:
         table = {"bearing": _from_folder(bearing, folder), "ambient": ambient}
-        table["test"] = {"name": "first test", "steps": [CYCLES]}
+        table["test"] = {"name": "first test", "steps": [_first_cycles()]}
         make_case(table, str(target), folder)
-    return tomli_w.dumps(table)
+    return _with_comments(tomli_w.dumps(table))
+
+
+def _first_cycles() -> dict[str, Any]:
+    """Return the cycles that the live page opens with: inside the rates of the library's tests."""
+    from thermobearing.live.page import OPENING
+
+    cycles: dict[str, Any] = {"step": "cycles", "strain": OPENING["strain"], "wave": "sine"}
+    return cycles | {"frequency": f"{OPENING['frequency']:g} Hz", "count": OPENING["count"]}
+
+
+def _with_comments(text: str) -> str:
+    """Return the text of a case with a comment above the lines that have one."""
+    lines = []
+    for line in text.splitlines():
+        if comment := COMMENTS.get(line.split(" = ")[0]):
+            lines.append(f"# {comment}")
+        lines.append(line)
+    return "\n".join(lines) + "\n"
 
 
 def _from_folder(name: str, folder: Path) -> str:

@@ -36,6 +36,7 @@ from thermobearing.core.compiled.sources import sources_digest
 FOLDER = Path(__file__).with_name("libraries")
 DESCRIPTION = "kernels.json"
 CHOICE = "THERMOBEARING_KERNELS"  # the environment variable: "jit", or a level such as "v1"
+WARNED = "THERMOBEARING_KERNELS_WARNED"  # environment variable: the reason of the last warning
 PREFIX = "thermobearing_"  # of the names of all faces
 
 # What the system's processor must have for each level of x86-64, the best level first.
@@ -53,6 +54,10 @@ _ARRAY = np.ndarray
 _BYTES = np.dtype(np.uint8)
 
 Slots = list[Any]  # of a table, and what must live as long as it
+
+
+class NotBuiltError(ValueError):
+    """No library was built for this machine."""
 
 
 class UnsuitableError(TypeError):
@@ -100,7 +105,8 @@ def open_library() -> tuple[Library | None, str]:
     """Return the library of this machine, or None and the reason as a sentence.
 
     The library is looked for in the package only, and its content must have the digest that the
-    description names. There is no warning in a checkout without libraries, where numba compiles.
+    description names. There is no warning in a checkout without libraries for this machine, where
+    numba compiles, and none in a process whose parent has given it.
     """
     choice = os.environ.get(CHOICE, "")
     if choice == "jit":
@@ -112,11 +118,15 @@ def open_library() -> tuple[Library | None, str]:
         return None, "This installation has no compiled kernels."
     try:
         return _load(FOLDER, library_name(choice)), ""
+    except NotBuiltError as problem:
+        return None, f"This installation has no compiled kernels for this machine: {problem}."
     except (OSError, ValueError, KeyError, AttributeError, TypeError) as problem:
         reason = f"The compiled kernels of this installation cannot be used: {problem}."
-        if has_numba():
+        if has_numba() and os.environ.get(WARNED) != reason:
+            os.environ[WARNED] = reason
             warnings.warn(
-                f"{reason} numba compiles them again, which takes a minute.", stacklevel=2
+                f"{reason} numba compiles them when they are first used (about ten seconds).",
+                stacklevel=2,
             )
         return None, reason
 
@@ -132,12 +142,13 @@ def read_description(folder: Path) -> dict[str, Any]:
 def read_library(folder: Path, name: str) -> tuple[Path, bytes, dict[str, Any]]:
     """Return the file and the content of a library, and the description of all of them.
 
-    ValueError if they were built from other sources, or the content differs from what was built.
+    NotBuiltError if there is no such library; ValueError if they were built from other sources, or
+    the content differs from what was built.
     """
     description = read_description(folder)
     entry = description["libraries"].get(name)
     if entry is None:
-        raise ValueError(f"there is no library for {name}")
+        raise NotBuiltError(f"there is no library for {name}")
     file = folder / entry["file"]
     content = file.read_bytes()
     if hashlib.sha256(content).hexdigest() != entry["sha256"]:
