@@ -114,6 +114,23 @@ def test_loops_reach_the_peaks(result: tb.Result) -> None:
         assert np.nanmin(line.get_ydata()) == stress.min()
 
 
+def test_closing_cycles_are_grey_lines_of_their_own_size() -> None:
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=1, closing_strain=0.2, dt=0.02)
+    figure = tb.run(BEARING, test, [23.0]).plot.loops()
+    (ax,) = figure.axes
+    ((loops, closing), zeros) = ax.get_lines()[:2], ax.get_lines()[2:]
+    assert len(zeros) == 2
+    assert closing.get_color() == drawing.GREY
+    x = closing.get_xdata()
+    assert np.count_nonzero(np.isnan(x)) == 2  # one after each loading
+    assert (np.nanmin(x), np.nanmax(x)) == (-20.0, 20.0)
+    assert np.nanmax(loops.get_xdata()) == 100.0
+    (label,) = shown(figure)
+    assert "20 %" in label
+    without = tb.cyclic_test(strain=[0.5], cycles=1, closing_strain=None, dt=0.02)
+    assert not tb.run(BEARING, without, [23.0]).plot.loops().legends
+
+
 def test_measures_draw_cycles_by_temperature(result: tb.Result) -> None:
     figure = result.plot.measures()
     left, right = figure.axes

@@ -21,6 +21,7 @@ from thermobearing.cyclic.result import Result, run_name
 from thermobearing.cyclic.tables import inner_layer
 from thermobearing.quantities.governing import largest_by, place_of_largest
 from thermobearing.quantities.register import quantity
+from thermobearing.quantities.words import joined, percent
 from thermobearing.results import drawing
 from thermobearing.results.profiles import (
     MOST_PROFILES,
@@ -59,6 +60,7 @@ ENERGIES = (
 )
 CYCLE_LOOKS = (("-", "o"), ("--", "s"), (":", "^"))  # line and marker
 POINTS = ("none", "o")
+CLOSING_LOOK: drawing.Look = {"color": drawing.GREY, "linewidth": 0.6}
 FORCE: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
 LEAD, INNER, OUTER = "#222222", "#D55E00", "#56B4E9"
 METHODS = (
@@ -83,6 +85,7 @@ KEPT = (  # figure, variable that it needs, group of it
 )
 NOT_KEPT = 'the result holds no {}; run with keep=["{}", ...]'
 NOTHING = slice(0, 0)
+CLOSING = "closing cycle"  # the kind of a segment
 
 
 class NothingToDrawError(InputError):
@@ -137,16 +140,23 @@ class TimeAxis(DrawnAxis):
         a, b = np.searchsorted(self._numbers[run], [first, last + 1])
         return slice(max(int(a) - 1, 0), int(b)) if b > a else NOTHING
 
-    def _moving_rows(self, run: int) -> list[slice]:
-        """Return the rows of each stretch of a run in which the bearing moves."""
-        slices = [self._inside(run, s.first, s.last) for s in self.stretches if not s.rest]
+    def _moving_rows(self, run: int, *, closing: bool = False) -> list[slice]:
+        """Return the rows of each stretch of a run in which the bearing moves.
+
+        Those of closing cycles only, or without them.
+        """
+        numbers = [n for s in self.stretches if not s.rest for n in range(s.first, s.last + 1)]
+        chosen = [n for n in numbers if (self._kinds[n] == CLOSING) == closing]
+        first_of = [n for n in chosen if n - 1 not in chosen]
+        last_of = [n for n in chosen if n + 1 not in chosen]
+        slices = [self._inside(run, *ends) for ends in zip(first_of, last_of, strict=True)]
         return [inside for inside in slices if inside != NOTHING]
 
     def _loading_ends(self) -> list[tuple[int, str]]:
         """Return number and name of some segments whose ends are shown: loadings, if any."""
         segments: list[int] = []
         # The first kind that the test has: ramps and rests only where nothing else loads it.
-        for kinds in ({"cycles", "path", "recorded"}, {"ramp"}, {"rest", "closing cycle"}):
+        for kinds in ({"cycles", "path", "recorded"}, {"ramp"}, {"rest", CLOSING}):
             segments = [i for i, kind in enumerate(self._kinds) if kind in kinds]
             if segments:
                 break
@@ -324,12 +334,12 @@ class Figures(drawing.Figures):
         """Draw stress-strain loops, one panel per ambient temperature, as Fig. 4.7.
 
         All panels have the same axes. Stress is the force over the gross plan area, strain the
-        displacement over the total rubber thickness; rests are left out.
+        displacement over the total rubber thickness; rests are left out, and closing cycles grey.
 
         Parameters
         ----------
         ax : matplotlib.axes.Axes, optional
-            Draw all temperatures into this panel instead.
+            Draw all temperatures into this panel instead, without closing cycles.
         label, color : str, optional
             Of what is drawn into it; the temperature and its colour by default.
         """
@@ -349,6 +359,7 @@ class Figures(drawing.Figures):
         figure, axes = drawing.panels(rows, columns, size, title, share=True)
         for run, (panel, colour) in enumerate(zip(axes, self._colours, strict=False)):
             panel.plot(*paths[run], color=colour, linewidth=0.8)
+            panel.plot(*self.path(run, closing=True), **CLOSING_LOOK)
             for line in (panel.axhline, panel.axvline):
                 line(0.0, color=drawing.GREY, linewidth=0.6, zorder=1)
             lowest, y = run + columns >= count, STRESS if run % columns == 0 else ""
@@ -358,13 +369,22 @@ class Figures(drawing.Figures):
             panel.remove()
         ends = [100.0 * self._result.tested_to(run, "strain") for run in range(count)]
         drawing.shade_untested(axes[:count], [(-end, end) for end in ends])
+        if strains := {
+            s["amplitude_strain"] for s in self._result.segments if s["kind"] == CLOSING
+        }:
+            sizes = joined(percent(strain) for strain in sorted(strains))
+            label = f"closing cycles of {sizes}, which end the motion of a loading"
+            drawing.legend_below(figure, [Line2D([], [], label=label, **CLOSING_LOOK)])
         return figure
 
-    def path(self, run: int) -> tuple[Floats, Floats]:
-        """Return strain [%] and stress [MPa] where the bearing moves, thinned."""
+    def path(self, run: int, *, closing: bool = False) -> tuple[Floats, Floats]:
+        """Return strain [%] and stress [MPa] where the bearing moves, thinned.
+
+        Those of closing cycles only, or without them.
+        """
         strain, stress = 100.0 * self._data["strain"].values, self._data["stress"].values
         spans = [max(float(np.nanmax(v) - np.nanmin(v)), 1e-9) for v in (strain, stress)]
-        return self._thinned(run, strain, stress, spans[0], spans[1])
+        return self._thinned(run, strain, stress, spans[0], spans[1], closing=closing)
 
     def plane_path(self, run: int, name: str) -> tuple[Floats, Floats]:
         """Return both components of a displacement or force where the bearing moves, thinned."""
@@ -373,9 +393,9 @@ class Figures(drawing.Figures):
         return self._thinned(run, x, y, span, span)
 
     def _thinned(
-        self, run: int, x: Floats, y: Floats, span_x: float, span_y: float
+        self, run: int, x: Floats, y: Floats, span_x: float, span_y: float, closing: bool = False
     ) -> tuple[Floats, Floats]:
-        moving = TimeAxis(self._result)._moving_rows(run)
+        moving = TimeAxis(self._result)._moving_rows(run, closing=closing)
         paths = [(x[run, rows], y[run, rows]) for rows in moving]
         kept = [drawing.thin_loops(a, b, span_x, span_y) for a, b in paths]
         return _joined([(x[k], y[k]) for (x, y), k in zip(paths, kept, strict=True)])
