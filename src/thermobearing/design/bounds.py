@@ -266,8 +266,8 @@ BOUNDS_NOTE = (
     "therefore larger than that of the real loop, which the factors use"
 )
 VIRGIN_BOUND = (
-    "The lower and the upper bound are of tested rubber. The bound of virgin rubber governs "
-    "forces, the lower bound displacements"
+    "The lower and the upper bound are of tested rubber. As a rule, that of virgin rubber "
+    "governs forces and the lower one displacements"
 )
 
 
