@@ -21,14 +21,14 @@ help:
 	@echo "make kernels   compile the kernels ahead of time, for this machine and web pages"
 	@echo "make dist   write all files of a release into ./dist: wheel with these kernels, source distribution, live page, example of a report, table of verify, notes, checksums"
 	@echo "make dist-check   test both in empty environments (PYTHONS='python3.11 python3.13')"
-	@echo "make release VERSION=0.4.0   write the version to all files, commit, tag, and make dist"
+	@echo "make release VERSION=0.4.0   write the version to all files, measure docs/bench.json, commit, tag, and make dist"
 	@echo "make test   run all but the thorough tests, on all cores (WORKERS=0: in one process)"
 	@echo "make test-all   run all tests, as in CI"
 	@echo "make browser   install what tests of pages need with the system's Chromium"
 	@echo "make test-minimum   run the unit tests with the lowest versions of all dependencies"
 	@echo "make fuzz   test hostile input with 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  insert small errors into the code and check that tests fail (RANDOM=40 SEED=1: random ones)"
-	@echo "make bench  measure speed, accuracy and memory, and compare them with their targets"
+	@echo "make bench  measure speed, accuracy and memory, compare them with their targets, and times with those of the last release, built beside (BENCH='--only releases': that alone)"
 	@echo "make lint   run ruff, mypy, import contracts, vocabulary, and types of the JavaScript (with npm)"
 	@echo "make docs   regenerate every number and figure in README and docs"
 	@echo "make reproduce  reproduce Shen (2023), with a verdict on each claim, into ./reproduced"
@@ -72,7 +72,7 @@ PYTHONS ?= $(PYTHON)
 dist-check:
 	$(PYTHON) tests/distribution.py dist $(PYTHONS)
 
-release:
+release: $(TESTS)
 	@test -n "$(VERSION)" -a -z "$$(git tag -l v$(VERSION))" && git diff --quiet HEAD || \
 	  { echo "give VERSION=, one without a tag, in a clean checkout"; exit 1; }
 	sed -i 's/^version = .*/version = "$(VERSION)"/' pyproject.toml
@@ -80,6 +80,8 @@ release:
 	sed -i 's/^version: .*/version: $(VERSION)/' CITATION.cff
 	sed -i 's/^  version: ".*/  version: "$(VERSION)"/' recipe.yaml
 	sed -i 's/^## Unreleased$$/&\n\n## $(VERSION)/' CHANGELOG.md
+	$(BIN)/python -m benchmarks --json docs/bench.json
+	$(BIN)/python -W ignore -m docs.generate --texts-only
 	$(BIN)/python -m pytest -q tests/unit/test_dependencies.py -k version
 	git commit --quiet --all --message "Release version $(VERSION)"
 	git tag --annotate v$(VERSION) --message "Version $(VERSION)"
@@ -128,7 +130,7 @@ mutants: $(TESTS)
 	$(BIN)/python -m tests.mutants $(if $(RANDOM),--random $(RANDOM) --seed $(or $(SEED),1))
 
 bench: $(TESTS)
-	$(BIN)/python -m benchmarks
+	$(BIN)/python -m benchmarks $(BENCH)
 
 # The compiler of TypeScript checks types of JavaScript (tsconfig.json); Debian's npm needs 400
 # packages more, so CI takes npm from a wheel where the system has none.

@@ -15,6 +15,7 @@ from benchmarks.rows import Row, failed
 
 ITEMS = {
     "operations": "Operations",
+    "releases": "Releases",
     "coupled_step": "Speed",
     "whole_test": "Speed",
     "scalar_c": "Speed",
@@ -72,15 +73,16 @@ def main() -> None:
     options = parser.parse_args()
     begin, console = time.perf_counter(), Console(width=170)
     measured_rows: dict[str, list[Row]] = {}
+    about = machine()
     for item in options.only:
         console.print(f"measuring {item} ...", style="dim")
         fits = {"fits": options.fits} if item == "coverage" and options.fits else {}
         measured_rows[item] = measured(item, **fits)
         if options.json:  # now, for benchmarks that are interrupted
             listed = {name: [asdict(row) for row in rows] for name, rows in measured_rows.items()}
-            report = {"machine": machine(), "rows": listed, "seconds": time.perf_counter() - begin}
+            report = {"machine": about, "rows": listed, "seconds": time.perf_counter() - begin}
             options.json.write_text(json.dumps(report, indent=1) + "\n")
-    console.print(table(measured_rows, machine()))
+    console.print(table(measured_rows, about))
     judged = [row.met for rows in measured_rows.values() for row in rows if row.met is not None]
     elapsed = time.perf_counter() - begin
     console.print(f"{sum(judged)} of {len(judged)} targets met; {elapsed:.0f} s")

@@ -1,8 +1,11 @@
 /* The coupled step of a bearing without lead, written by hand in C, as a measure of speed.
 
-   The same equations, Newton iterations and energy sums as src/thermobearing/core for the default
-   options: exact hysteresis, heat from all work, shared hardening, small loops that stay open. It is
-   no part of the program; benchmarks/scalar_c.py compiles it and compares both. */
+   The equations, Newton iterations and energy sums of the default options: exact hysteresis, heat
+   from all work, shared hardening, small loops that stay open. Along the displacements of
+   benchmarks/scalar_c.py it gives the results of version 0.2.0 within 1.1e-14, and it is frozen: a
+   step that grows with new features, or takes fewer operations than this one, is measured against
+   the same work in every release. It is no part of the program; benchmarks/scalar_c.py compiles it,
+   and a test holds its digest. */
 #include <math.h>
 #include <string.h>
 

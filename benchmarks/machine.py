@@ -1,11 +1,13 @@
-"""Where the numbers come from: processor and versions."""
+"""Where the numbers come from: processor, what else it does, and versions."""
 
 import os
 import platform
 from importlib.metadata import version
 from pathlib import Path
 
-PACKAGES = ("thermobearing", "numpy", "scipy", "numba", "xarray")
+import thermobearing
+
+PACKAGES = ("numpy", "scipy", "numba", "xarray")
 
 
 def processor() -> str:
@@ -18,12 +20,22 @@ def processor() -> str:
     return names[0] if names else platform.machine()
 
 
+def load() -> str:
+    """Processes that run or wait for a core, the mean of the last five minutes."""
+    try:
+        return f"{os.getloadavg()[1]:.1f}"
+    except (AttributeError, OSError):
+        return "unknown"
+
+
 def machine() -> dict[str, str]:
-    """Processor, cores, system and versions."""
+    """Processor, cores, load, system and versions."""
     about = {
         "processor": processor(),
         "cores": str(os.cpu_count()),
+        "load": load(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
+        "thermobearing": thermobearing.__version__,
     }
     return about | {name: version(name) for name in PACKAGES}

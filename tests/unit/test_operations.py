@@ -48,7 +48,7 @@ def test_views_of_one_array_stay_views():
 @pytest.mark.parametrize("name", LIMITS)
 def test_a_step_takes_no_more_operations_than_before(name):
     before = peaks_march.run
-    parts = operations.count(operations.BEARINGS[name])
+    parts = operations.count(*operations.BEARINGS[name])
     step = operations.total(parts)
     most_operations, most_divisions = LIMITS[name]
     assert 0.9 * most_operations < step.operations <= most_operations

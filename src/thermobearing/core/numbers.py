@@ -41,6 +41,7 @@ class Heights(NamedTuple):
     sealing_plate_cells: int
     rubber_cells: int
     shim_cells: int
+    plate_grading: float  # thickness of a plate cell over that of the next one nearer the rubber
     mass_above: bool  # whether there is something behind the upper face
     mass_below: bool
 
@@ -95,6 +96,37 @@ def _part_at(heights: Heights, place: int) -> int:
 
 
 @compiled
+def _graded_thickness(grading: float, count: int) -> float:
+    """Return the thickness of cells, each `grading` times the one before, over that of the first.
+
+    It is the number of cells, exactly, where they are equal.
+    """
+    total, power = 0.0, 1.0
+    for _ in range(count):
+        total += power
+        power *= grading
+    return total
+
+
+@compiled
+def _lay_part(
+    cells: StackCells, part: int, at: int, count: int, innermost: float, grading: float, above: bool
+) -> None:
+    """Fill the cells of a part, from the side of the rubber outwards.
+
+    `innermost` is the thickness of the first [mm], `grading` that of each over the one before, and
+    `above` whether the rubber lies below the part.
+    """
+    thickness = innermost
+    for k in range(count):
+        i = at + count - 1 - k if above else at + k
+        cells.part[i] = part
+        cells.thickness[i] = thickness
+        cells.interface[i] = False
+        thickness *= grading
+
+
+@compiled
 def lay_cells(heights: Heights, cells: StackCells) -> tuple[int, int]:
     """Fill the cells of a stack; return the number of cells and of modelled rubber layers.
 
@@ -110,11 +142,11 @@ def lay_cells(heights: Heights, cells: StackCells) -> tuple[int, int]:
         # The symmetry plane cuts the last part: half of it, in half of its cells, rounded up.
         if halved:
             thickness, count = 0.5 * thickness, (count + 1) // 2
+        grading = heights.plate_grading if part in (END_PLATE, SEALING_PLATE) else 1.0
         if at + count <= len(cells.part):
-            for i in range(at, at + count):
-                cells.part[i] = part
-                cells.thickness[i] = thickness / count
-                cells.interface[i] = i == at + count - 1 and after >= 0
+            innermost = thickness / _graded_thickness(grading, count)
+            _lay_part(cells, part, at, count, innermost, grading, layer == 0)
+            cells.interface[at + count - 1] = after >= 0
         if part == RUBBER:
             if layer < len(cells.layers):
                 row = cells.layers[layer]

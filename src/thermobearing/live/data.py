@@ -244,7 +244,7 @@ def _bearing(bearing: Bearing, model: BearingModel) -> dict[str, Any]:
         "law_range": None if law is None else law.range,
         "constants": _tree(model.constants),
         "longest_rest_step": float(longest) if np.isfinite(longest) else None,
-        "cells": bearing.cells.model_dump(),
+        "cells": bearing.cells.model_dump() | {"plate_grading": bearing.cells.grading},
         "given": _fixed_numbers(bearing, model),
     }
 

@@ -411,6 +411,7 @@ export class Engine {
       sealing_plate_cells: divided.sealing_plate,
       rubber_cells: divided.rubber,
       shim_cells: divided.shim,
+      plate_grading: divided.plate_grading,
       mass_above: false,
       mass_below: false,
     };

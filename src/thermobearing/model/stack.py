@@ -131,6 +131,7 @@ def _heights(bearing: Bearing, half: bool, behind: tuple[float, float]) -> Heigh
         sealing_plate_cells=cells.sealing_plate,
         rubber_cells=cells.rubber,
         shim_cells=cells.shim,
+        plate_grading=cells.grading,
         mass_above=behind[0] > 0.0,
         mass_below=behind[1] > 0.0 and not half,
     )
