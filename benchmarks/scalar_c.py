@@ -151,7 +151,7 @@ def rows() -> list[Row]:
         for _ in range(5):
             np.copyto(copy, source)
         speed = 2 * 5 * copy.nbytes / (time.perf_counter() - begin)  # read and written [bytes/s]
-    size = kept.energies.dtype.itemsize
+    size = kept.response.dtype.itemsize
     roof = 1e6 * 2 * size / speed
     note = f"{best['ours']:.3f} and {best['C']:.3f} us; results within {error:.0e}"
     return [

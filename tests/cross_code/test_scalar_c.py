@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from benchmarks import scalar_c
 from benchmarks.scalar_c import CLOSE, DIGEST, FLAGS, SOURCE, compiled_march, own_march, steps
 from tests.conftest import Recorder
 from tests.fixtures.kernels import c_compiler
@@ -31,3 +32,16 @@ def test_c_of_the_step_of_version_0_2_is_frozen() -> None:
     """Ratios to it are comparable between releases only as long as it does the same work."""
     text = SOURCE.read_text(encoding="utf-8")
     assert hashlib.sha256(text.encode()).hexdigest() == DIGEST
+
+
+@pytest.mark.thorough
+def test_benchmark_of_the_step_in_c_has_its_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without their values, which depend on the machine; without `cc` it says so."""
+    if c_compiler() != ["cc"]:
+        (row,) = scalar_c.rows()
+        assert row.note == "there is no C compiler"
+        return
+    monkeypatch.setattr(scalar_c, "REPEATS", 1)
+    rows = scalar_c.rows()
+    assert [row.unit for row in rows] == ["", "%"]
+    assert all(row.value is not None and row.value > 0.0 for row in rows)
