@@ -59,7 +59,7 @@ BEARINGS: list[Row] = [
     (
         "strange key",
         {"cells.zzz": 1},
-        ['"cells.zzz"', "known: end_plate, rubber, sealing_plate, shim"],
+        ['"cells.zzz"', "known: end_plate, plate_grading, rubber, sealing_plate, shim"],
     ),
     (
         "missing key",
