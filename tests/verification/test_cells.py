@@ -144,6 +144,16 @@ def test_graded_plates_have_no_extremely_unequal_cells() -> None:
             Cells(**table)
 
 
+def test_published_coefficients_need_equal_cells() -> None:
+    published = tb.ModelOptions(scheme="published")
+    test = tb.cyclic_test(strain=[0.5], cycles=1)
+    with pytest.raises(tb.InputError, match=r"cells\.plate_grading = 1\.3"):
+        tb.run(graded("shen-hdr-bridge"), test, model=published)
+    case = tb.ModelOptions(scheme="published", upper_face=tb.EndFace(eta=2.5))
+    with pytest.raises(tb.InputError, match=r"cells\.plate_grading = 1\.3"):
+        tb.bridge(graded("shen-hdr-bridge"), "jra-ii-i-1", -20.0, duration=1, model=case)
+
+
 def test_enough_cells_leave_graded_plates_as_they_are() -> None:
     cells = Cells(end_plate=5, sealing_plate=4, rubber=2, shim=1, plate_grading=1.3)
     enough = cells.enough()

@@ -141,6 +141,12 @@ class ModelOptions(Strict):
         if self.exposure is not None and bearing.exposure is not None:
             messages.append(f"exposure: {TWICE}")
         messages += self.misfit_of_state(self.state)
+        if self.scheme == "published" and bearing.cells.grading != 1.0:
+            messages.append(
+                'scheme = "published": its coefficients are those of equal cells, and '
+                f'"{bearing.name}" has cells.plate_grading = {bearing.cells.grading:g}; use scheme '
+                '"conservative", or omit plate_grading'
+            )
         loops = self.small_loops or bearing.hysteresis.small_loops
         # Each takes the place of Eq. 4.35, so that only one can.
         laws = {  # of Z: a bearing has one of them
