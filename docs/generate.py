@@ -263,6 +263,7 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
         for row in tomllib.loads(SUMMARY.read_text(encoding="utf-8"))["rows"]
     ]
     by_what = {row[0]: row for row in bench_rows(bench)}
+    ratios = [row["what"] for row in bench["rows"].get("releases", ())]
     machine = bench["machine"]
     return (
         "\n\n".join(
@@ -287,7 +288,8 @@ def verification_text(measured: list[dict[str, str]], bench: dict[str, Any]) -> 
                 f"{machine['python']}, numba {machine['numba']}; `make bench` measures on your "
                 "machine, and compares with the last release.",
                 table(
-                    ["what", "measured", "target", "met"], [by_what[name] for name in BENCH_SHOWN]
+                    ["what", "measured", "target", "met"],
+                    [by_what[name] for name in (*BENCH_SHOWN, *ratios)],
                 ),
             ]
         )
