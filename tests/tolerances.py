@@ -112,6 +112,7 @@ STEP_HALVING = 1e-3  # per-cycle G_e and h_eq, as the specification asks from 10
 
 # --- A measured record -------------------------------------------------------------------
 RECORD_STRAIN = 1e-4  # the same cycles, printed with five digits
+RECORD_LEVEL = 0.002  # cycles cut at other crossings than the published ones; 0.0018 measured
 RECORD_ENERGY = 0.005  # what the issue asks; 0.0041 measured
 
 # --- Lead and rate dependence ------------------------------------------------------------

@@ -15,7 +15,7 @@ from tests.unit.test_figures import overlaps
 from thermobearing.design.figures import DesignFigures
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.identify.records.figures import RecordFigures, draw_record
-from thermobearing.identify.uncertainty.posterior import forecast
+from thermobearing.identify.uncertainty.posterior import Band, Predicted, forecast
 from thermobearing.results.figure_style import figure_style
 
 pytestmark = pytest.mark.drawn
@@ -69,6 +69,43 @@ def test_a_band_lies_around_the_loops(fit: tb.Identification) -> None:
     (dots,) = turns.get_lines()
     assert np.max(dots.get_ydata()) == pytest.approx(band.peak, rel=0.01)
     assert len(dots.get_xdata()) >= 8  # two to each side at each of two strains
+    inside, outside = (
+        fit.plot.band(item).legends[0].get_texts()[0].get_text()
+        for item in (forecast(fit, [0.0], narrow=False).bands[0], band)
+    )
+    assert (inside, outside) == (
+        "95 % band (parameters only)",
+        "95 % band (parameters and extrapolation)",
+    )
+
+
+@pytest.mark.parametrize("after", [0.1, 0.4, 0.6, 0.9])
+def test_forces_at_reversals_are_those_before_the_turn(
+    fit: tb.Identification, after: float
+) -> None:
+    """Steps that straddle a turn: the sample after it may be the farthest, where the force drops.
+
+    Each leg ends 29.7 mm out, with a force of 100 kN, of which a step takes 80 kN in the next leg.
+    """
+    tip, step = 29.7, 1.0
+    way = np.arange(after - 2.0, 8.0 * tip, step)  # of the motion: half a leg, then legs
+    way = np.maximum(way, 0.0)
+    leg = ((way + tip) // (2.0 * tip)).astype(int)
+    along = (way + tip) % (2.0 * tip)  # since the last turn
+    side = np.where(leg % 2 == 0, 1.0, -1.0)
+    x = side * (along - tip)
+    force = side * np.where(leg > 0, np.minimum(-100.0 + 160.0 * along, 50.0 + along), 50.0 + along)
+    force *= 100.0 / (50.0 + 2.0 * tip)
+    predicted = (Predicted("force", 100.0, 90.0, 110.0),)
+    band = Band(-30.0, x, force, 0.9 * force, 1.1 * force, predicted)
+    figure = fit.plot.band(band)
+    (dots,) = figure.axes[1].get_lines()
+    heights = np.asarray(dots.get_ydata(), dtype=float)
+    assert len(heights) == 4
+    assert heights == pytest.approx(100.0, abs=1.0)  # within a step of the end of the leg
+    (ends,) = figure.axes[1].collections
+    spans = [path.vertices[:, 1] for path in ends.get_paths()]
+    assert np.array(spans) == pytest.approx(np.outer(heights, [0.9, 1.1]))
 
 
 def design_of_two_groups() -> DesignFigures:

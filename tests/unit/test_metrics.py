@@ -1,7 +1,9 @@
 """Measures of cycles, the largest loop of a history, residuals of next to nothing."""
 
 import itertools
+from dataclasses import astuple, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -147,7 +149,37 @@ def test_growing_amplitudes_rests_and_half_cycles() -> None:
 
 def test_first_motion_may_be_to_the_negative_side() -> None:
     d = -30.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 3.0, 601))
-    assert len(metrics.find_cycles(d)) == 2  # from upward crossing to upward crossing
+    assert len(metrics.find_cycles(d)) == 3  # from downward crossing to downward crossing
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_a_record_and_its_mirror_image_have_the_same_cycles(given: bool) -> None:
+    """Levels with rests between them, each cycle with its own amplitude on both sides."""
+    parts, rests, count = list[tuple[Floats, Floats]](), list[tuple[int, int]](), 0
+    for amplitude in (15.0, 30.0, 52.5):
+        loop = bilinear(amplitude, 30.0, 12.0, 2.0, points=101)
+        path = tuple(np.concatenate([loop[k], 0.1 * loop[k]]) for k in range(2))
+        still = np.full(300, path[0][-1]), np.linspace(path[1][-1], 0.0, 300)
+        rests.append((count + len(path[0]), count + len(path[0]) + 299))
+        count += len(path[0]) + 300
+        parts += [(path[0], path[1]), still]
+    d, f = (np.concatenate([part[k] for part in parts]) for k in range(2))
+    f = f + 0.02 * np.abs(d)  # stiffer to one side
+    known = {"rests": rests} if given else {}
+    size: dict[str, Any] = {"area": AREA, "total_rubber_thickness": RUBBER} | known
+    cycles, mirrored = (tb.measure_history(side * d, side * f, **size) for side in (1.0, -1.0))
+    assert [round(cycle.amplitude_mm, 9) for cycle in cycles] == [15.0, 1.5, 30.0, 3.0, 52.5, 5.25]
+    for cycle, mirror in zip(cycles, mirrored, strict=True):
+        swapped = replace(
+            mirror,
+            force_max_kN=-mirror.force_min_kN,
+            force_min_kN=-mirror.force_max_kN,
+            displacement_max_mm=-mirror.displacement_min_mm,
+            displacement_min_mm=-mirror.displacement_max_mm,
+        )
+        assert_allclose(astuple(swapped), astuple(cycle), rtol=tol.LOOP)
+    found, found_mirrored = (metrics.found_cycles(side * d, **known) for side in (1.0, -1.0))
+    assert [replace(cycle, side=1.0) for cycle in found_mirrored] == found
 
 
 def test_no_cycles() -> None:
@@ -172,6 +204,12 @@ def test_no_cycles() -> None:
 def test_unusable_histories(d: Floats, f: Floats, piece: str) -> None:
     with pytest.raises(tb.InputError, match=piece):
         tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER)
+
+
+def test_unusable_side() -> None:
+    d, f = bilinear(60.0, 30.0, 12.0, 2.0)
+    with pytest.raises(tb.InputError, match="side is 0"):
+        tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, side=0.0)
 
 
 @pytest.mark.parametrize("points", [40, 200, 1003])

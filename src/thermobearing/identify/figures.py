@@ -12,11 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from thermobearing.core.records import Floats
 from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.posterior import Band
+from thermobearing.identify.uncertainty.posterior import OUTSIDE, Band
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results import drawing
 from thermobearing.results.metrics import (
     FEWEST_POINTS,
@@ -45,6 +47,21 @@ MEASURES: dict[str, tuple[str, str, Callable[[CycleMeasures], float]]] = {
 def _paler(colour: str) -> tuple[float, ...]:
     """Return a colour mixed with white, for the band of a test under the line of a model."""
     return tuple(PALENESS + (1.0 - PALENESS) * part for part in to_rgb(colour))
+
+
+def _last_of_leg(x: Floats, force: Floats, turn: int, jitter: float) -> int:
+    """Return the sample with the largest force of a leg, at the turn in which it ends.
+
+    A turn is between two samples, and the one with the largest displacement [mm] may be after it,
+    where the force [kN] has dropped: the loop is steep there. The leg ends at that sample or at a
+    neighbour, or where the motion moves by less than `jitter` [mm] about the turn.
+    """
+    near = np.abs(x - x[turn]) <= jitter
+    near[max(turn - 1, 0) : turn + 2] = True
+    away = np.flatnonzero(~near)
+    first = int(away[away < turn].max(initial=-1)) + 1
+    end = int(away[away > turn].min(initial=len(x)))
+    return first + place_of_largest(np.sign(x[turn]) * force[first:end])
 
 
 class ComparisonFigures(drawing.Figures):
@@ -318,7 +335,8 @@ class IdentificationFigures(ComparisonFigures):
         figure, (loops, peaks) = drawing.panels(1, 2, (10.0, 4.4), title, least=drawing.NARROW)
         x, force = band.displacement, band.best
         largest = float(np.abs(x).max())
-        turns = turning_points(x, TURN * largest)
+        jitter = TURN * largest
+        turns = turning_points(x, jitter)
         for first, last in pairwise(turns):  # each leg separately
             leg = slice(first, last + 1)
             samples = first + drawing.thin_loops(x[leg], force[leg], 2.0 * largest, 2.0 * band.peak)
@@ -330,13 +348,17 @@ class IdentificationFigures(ComparisonFigures):
         drawing.name_axes(loops, "displacement [mm]", "force [kN]", text)
         reversals = turns[np.abs(x[turns]) > SMALL_TURN * largest]
         number, side = np.arange(1, len(reversals) + 1), np.sign(x[reversals])
+        reversals = np.array([_last_of_leg(x, force, k, jitter) for k in reversals.tolist()])
         ends = side * band.lower[reversals], side * band.upper[reversals]
         peaks.vlines(number, *ends, color=PALE_TEST, linewidth=BAND_WIDTH)
         peaks.plot(number, side * force[reversals], "o", color=MODEL, markersize=3.5)
         peaks.set_ylim(bottom=min(0.0, *peaks.get_ylim()))
         drawing.name_axes(peaks, "reversal", "force at the reversal [kN]")
         drawing.name_axes(peaks, title="force at each reversal")
-        band95 = Line2D([], [], color=PALE_TEST, linewidth=6.0, label="95 % band (parameters only)")
+        causes = (
+            "parameters and extrapolation" if OUTSIDE in band.main.shares else "parameters only"
+        )
+        band95 = Line2D([], [], color=PALE_TEST, linewidth=6.0, label=f"95 % band ({causes})")
         best = Line2D([], [], color=MODEL, marker="o", markersize=3.5, label="best estimate")
         drawing.legend_below(figure, [band95, best])
         return figure

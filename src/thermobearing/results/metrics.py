@@ -144,27 +144,47 @@ class FoundCycle:
     last: int
     ends: str  # "closed" if the motion goes on, "rest" if it stops at zero, else "incomplete"
     moving: int  # the last point before a rest, if there is one; else `last`
+    side: float = 1.0  # to which it moves first, 1.0 or -1.0
+
+
+def first_side(displacement: Floats, smallest: float = 0.02) -> float:
+    """Return the side to which a history moves first, 1.0 or -1.0.
+
+    Motions within `smallest` times the largest displacement do not count. Cycles are cut where the
+    motion crosses zero to that side: cut at the other crossings, a cycle would mix two amplitudes
+    wherever the amplitude changes.
+    """
+    sizes = np.abs(displacement)
+    moved = np.flatnonzero(sizes > smallest * sizes.max()) if len(sizes) else sizes
+    return 1.0 if len(moved) == 0 or displacement[moved[0]] > 0.0 else -1.0
 
 
 def found_cycles(
-    displacement: Floats, *, smallest: float = 0.02, rests: Sequence[tuple[int, int]] = ()
+    displacement: Floats,
+    *,
+    smallest: float = 0.02,
+    rests: Sequence[tuple[int, int]] = (),
+    side: float | None = None,
 ) -> list[FoundCycle]:
     """Return the cycles of a displacement history [mm], and how each of them ends.
 
-    A cycle runs from one upward crossing of zero to the next and must swing to both sides by
-    more than `smallest` times the largest displacement, so that noise makes no cycles. It begins
-    where the motion last leaves zero and ends where it first comes back: what happens at zero in
-    between (a rest, in which the force relaxes) belongs to no cycle.
+    A cycle runs from one crossing of zero to a `side`, 1.0 or -1.0, to the next one; by default to
+    the side of the first motion. It must swing to both sides by more than `smallest` times the
+    largest displacement, so that noise makes no cycles. It begins where the motion last leaves
+    zero and ends where it first comes back: what happens at zero in between (a rest, in which the
+    force relaxes) belongs to no cycle.
     """
     d = np.asarray(displacement, float)
+    cut = first_side(d, smallest) if side is None else side
+    d = cut * d  # below, cycles begin upwards
     limit = smallest * float(np.abs(d).max()) if len(d) else 0.0
     if limit == 0.0:
         return []
     # Which side the history is on, remembered while it is within the threshold of zero.
-    side = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
-    outside = np.flatnonzero(side)
-    turns = [(int(a), int(b)) for a, b in pairwise(outside) if side[a] < side[b]]
-    if side[outside[0]] > 0:
+    sign = np.where(d > limit, 1, np.where(d < -limit, -1, 0))
+    outside = np.flatnonzero(sign)
+    turns = [(int(a), int(b)) for a, b in pairwise(outside) if sign[a] < sign[b]]
+    if sign[outside[0]] > 0:
         # A history that begins upwards has no point below zero before its first crossing.
         turns = [(0, int(outside[0])), *turns]
     dwell = max(SHORTEST_DWELL, DWELL * len(d) / max(len(turns), 1))
@@ -175,16 +195,16 @@ def found_cycles(
         for (_, departed, _), (arrived, _, moving) in pairwise(crossings)
     ]
     tail, end, incomplete = crossings[-1][1] if crossings else len(d), len(d) - 1, []
-    outside_tail = tail + np.flatnonzero(side[tail:])
+    outside_tail = tail + np.flatnonzero(sign[tail:])
     # After the last upward crossing there is a cycle only if the motion reaches the other side
     # and ends near zero, where no further crossing follows.
-    if len(outside_tail) and (side[tail:] < 0).any() and abs(d[-1]) <= limit:
+    if len(outside_tail) and (sign[tail:] < 0).any() and abs(d[-1]) <= limit:
         arrived, _, moving = _crossing(d, int(outside_tail[-1]), end, rests, dwell)
         spans.append((tail, end if moving is None else arrived, moving))
     elif len(outside_tail):
-        incomplete.append(FoundCycle(tail, end, "incomplete", end))
+        incomplete.append(FoundCycle(tail, end, "incomplete", end, cut))
     return [
-        FoundCycle(a, b, "closed" if moving is None else "rest", b if moving is None else moving)
+        FoundCycle(a, b, *(("closed", b) if moving is None else ("rest", moving)), cut)
         for a, b, moving in spans
         if d[a : b + 1].min() < -limit < limit < d[a : b + 1].max()
     ] + incomplete
@@ -230,6 +250,7 @@ def measure_history(
     area: float,
     total_rubber_thickness: float,
     rests: Sequence[tuple[int, int]] = (),
+    side: float | None = None,
 ) -> list[CycleMeasures]:
     """Return the measures of every full cycle of a history, simulated or from a laboratory.
 
@@ -239,10 +260,12 @@ def measure_history(
     area : gross plan area [mm2].
     total_rubber_thickness : [mm].
     rests : first and last point of each, where they are known: a cycle ends where a rest begins.
+    side : 1.0 or -1.0, to which cycles begin; by default the side to which the history moves first.
 
     Raises
     ------
-    InputError : lists of different length or not of numbers, or no full cycle in them.
+    InputError : lists of different length or not of numbers, no full cycle in them, or another
+        `side`.
 
     Examples
     --------
@@ -252,7 +275,11 @@ def measure_history(
     3
     """
     d, f = _histories(displacement, force)
-    cycles = [cycle for cycle in found_cycles(d, rests=rests) if cycle.ends != "incomplete"]
+    if side not in (None, 1.0, -1.0):
+        raise InputError(f"side is {side}: must be 1.0 or -1.0, to which cycles begin")
+    cycles = [
+        cycle for cycle in found_cycles(d, rests=rests, side=side) if cycle.ends != "incomplete"
+    ]
     if not cycles:
         raise InputError("no full cycle (zero, one side, other side, zero) was found")
     size: dict[str, Any] = {"area": area, "total_rubber_thickness": total_rubber_thickness}
@@ -293,7 +320,7 @@ def cut_at_zeros(displacement: Floats, *others: Floats) -> list[Floats]:
 
 
 def closed_loop(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats]:
-    """Return displacement and force of a cycle, cut off at its upward crossings of zero.
+    """Return displacement and force of a cycle, cut off at its crossings of zero.
 
     Its first and last intervals are shared with its neighbours; counted fully in both, a cycle
     of 200 points gains some 2 % of energy. One that ends in a rest is extrapolated to zero: the
@@ -302,7 +329,8 @@ def closed_loop(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats
     rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
     d, f = cut_at_zeros(d[rows], f[rows])
     if cycle.ends == "rest" and d[-1] != 0.0:
-        far_points = np.flatnonzero(d <= d[-1] - STRAIGHT * float(np.abs(d).max()))
+        way = cycle.side * (d[-1] - d)  # to the last point, from the side of the second excursion
+        far_points = np.flatnonzero(way >= STRAIGHT * float(np.abs(d).max()))
         slope = 0.0
         if len(far_points):
             far = far_points[-1]

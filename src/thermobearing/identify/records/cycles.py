@@ -31,7 +31,6 @@ TURN = 0.005  # of the largest displacement: smaller fluctuations are noise, not
 DEAD = 10.0  # of the noise of the displacement: five below to five above, 1 sample in 2e6
 LARGEST_DEAD = 0.02  # of the largest displacement: larger fluctuations are not noise
 SAME = 0.05  # amplitudes closer than this, relative, are one level
-AWAY = 0.02  # of the largest displacement: moved at all
 CLOSING = 0.25  # of the amplitude before: a smaller cycle stops the motion and is no level
 MOSTLY = 0.9  # of the samples of a loop and a cycle: they are the same
 ALIKE = 0.01  # of the largest displacement: noise, and reversals between two samples
@@ -99,16 +98,6 @@ class Cycle:
     closing: bool
 
 
-def _first_side(displacement: Floats) -> float:
-    """Return the side to which a history moves first, 1.0 or -1.0.
-
-    Cycles are cut where the motion comes back to that side: cut at the other crossings, a
-    cycle would mix two amplitudes wherever the amplitude changes.
-    """
-    moved = np.flatnonzero(np.abs(displacement) > AWAY * np.abs(displacement).max())
-    return 1.0 if len(moved) == 0 or displacement[moved[0]] > 0.0 else -1.0
-
-
 def closing_cycles(amplitudes: Sequence[float]) -> list[bool]:
     """Return which cycles stop the motion after a level, from the amplitudes in their order [mm].
 
@@ -130,7 +119,7 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
 def _numbered_cycles(record: TestRecord) -> list[tuple[FoundCycle, Cycle]]:
     """Return where each full cycle begins and ends, whether in a rest, and its level."""
     x, cycles = record.displacement, list[tuple[FoundCycle, Cycle]]()
-    places = [place for place in found_cycles(_first_side(x) * x) if place.ends != "incomplete"]
+    places = [place for place in found_cycles(x) if place.ends != "incomplete"]
     amplitudes = [0.5 * float(np.ptp(x[ends.first : ends.last + 1])) for ends in places]
     last_amplitude, number = 0.0, 0
     rows = zip(places, amplitudes, closing_cycles(amplitudes), strict=True)
@@ -183,10 +172,7 @@ def compute_measures(
     record: TestRecord, force: Floats, area: float, rubber: float
 ) -> list[CycleMeasures]:
     """Return the measures of each full cycle, with the force [kN] of the test or of the model."""
-    side = _first_side(record.displacement)
-    return measure_history(
-        side * record.displacement, side * force, area=area, total_rubber_thickness=rubber
-    )
+    return measure_history(record.displacement, force, area=area, total_rubber_thickness=rubber)
 
 
 class Zeros(NamedTuple):
@@ -320,7 +306,7 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
     does not choose between a first cycle and a later one. It may be no full cycle; None without
     one.
     """
-    signals, cycles = _orient(record, force), _numbered_cycles(record)
+    signals, cycles = _signals(record, force), _numbered_cycles(record)
     loops = {
         place: _loop(signals, ends, place, cycle.number)
         for place, (ends, cycle) in enumerate(cycles, start=1)
@@ -337,7 +323,7 @@ def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
     record without a loop has a peak force only.
     """
     measures = {"force": float(np.abs(force).max())}
-    loop = _largest_loop(_orient(record, force), _numbered_cycles(record), {})
+    loop = _largest_loop(_signals(record, force), _numbered_cycles(record), {})
     if loop is None:
         return measures
     return measures | {
@@ -348,24 +334,22 @@ def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
 
 
 class _Signals(NamedTuple):
-    """A record and the force of the model, with the side of the first move upwards."""
+    """A record and the force of the model."""
 
-    side: float  # 1 or -1, by which they were multiplied
     displacement: Floats  # [mm]
     test: Floats  # [kN]
     model: Floats
 
 
-def _orient(record: TestRecord, force: Floats) -> _Signals:
-    side = _first_side(record.displacement)
-    return _Signals(side, side * record.displacement, side * record.force, side * force)
+def _signals(record: TestRecord, force: Floats) -> _Signals:
+    return _Signals(record.displacement, record.force, force)
 
 
 def _largest_loop(
     signals: _Signals, cycles: Sequence[tuple[FoundCycle, Cycle]], measured: Mapping[int, Loop]
 ) -> Loop | None:
     """Return the largest loop; `measured` are loops of cycles, by their places from 1."""
-    largest = find_largest_loop(signals.side * signals.displacement, ALIKE)
+    largest = find_largest_loop(signals.displacement, ALIKE)
     if largest is None:
         return None
     # A full cycle whose excursions are those of the largest loop is that loop. Their first samples
@@ -382,7 +366,7 @@ def _largest_loop(
 
 
 def _loop(signals: _Signals, ends: FoundCycle, cycle: int = 0, number: int = 0) -> Loop:
-    x = signals.side * signals.displacement[ends.first : ends.last + 1]
+    x = signals.displacement[ends.first : ends.last + 1]
     high, low = float(x.max()), float(x.min())
     test, test_strength = _measures(signals, signals.test, ends)
     model, strength = _measures(signals, signals.model, ends)
@@ -408,10 +392,9 @@ def _measures(signals: _Signals, force: Floats, ends: FoundCycle) -> tuple[dict[
     x, f = closed_loop(signals.displacement, force, ends)
     # The size of the bearing matters to G_e only.
     loop = CycleMeasures(*measure_loop(x, f, 1.0, 1.0, math.nan, False))
-    high, low = loop.force_max_kN, loop.force_min_kN
     measures = {
-        "F+": high if signals.side > 0.0 else -low,
-        "F-": low if signals.side > 0.0 else -high,
+        "F+": loop.force_max_kN,
+        "F-": loop.force_min_kN,
         "K_eq": loop.stiffness_kN_mm,
         "h_eq": loop.h_eq,
         "energy": loop.energy_kN_mm,
