@@ -83,6 +83,11 @@ def test_heat_cells_of_a_synthetic_record(truth: tuple[int, int], file: tuple[in
     first, second = fit.summary()["suspects"][:2]
     assert (first["key"], second["key"]) == ("cells", "materials.rubber.conductivity")
     assert first["size"] == pytest.approx(1.0, abs=0.15)
+    # What moves only because of them is not contradicted.
+    evidence = fit.uncertainty.assumed.evidence
+    assert any(item.beyond for item in evidence)
+    assert [item.group.name for item in evidence if item.contradicted] == []
+    assert all(item.imitated == item.beyond for item in evidence)
 
 
 def test_heat_cells_are_the_last_cause_of_another_thickness(records: Records) -> None:
@@ -93,6 +98,21 @@ def test_heat_cells_are_the_last_cause_of_another_thickness(records: Records) ->
     assert keys[0] == "materials.rubber.specific_heat"
     assert "cells" not in keys[:-1]
     assert "geometry.rubber_thickness" in keys
+
+
+def test_a_value_is_contradicted_beside_another_cause(records: Records) -> None:
+    """K_r is held at a value 40 % too small, and the force drifts: neither explains the other."""
+    cold, warm = records
+    drifting = replace(cold, force=cold.force + 80.0 * course(cold))
+    weaker = {"layer_stiffness": 0.6 * BEARING.hysteresis.layer_stiffness}
+    bearing = BEARING.model_copy(
+        update={"hysteresis": BEARING.hysteresis.model_copy(update=weaker)}
+    )
+    fit = tb.identify_bearing([drifting, warm], bearing, starts=1, free=["s", "d_y"])
+    evidence = {item.group.name: item for item in fit.uncertainty.assumed.evidence}
+    assert [item.group.key for item in fit.uncertainty.suspects] == ["force_drift"]
+    assert evidence["K_r"].contradicted
+    assert not evidence["K_r"].imitated
 
 
 def test_keywords_of_a_calibration_are_the_fields_of_its_case() -> None:

@@ -271,7 +271,8 @@ def _certified_warnings(warnings: Sequence[str]) -> list[str]:
     shown = [_certified_warning(text) for text in texts]
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
-    rest += ["the reasons and remedies of these"] if shown != texts else []
+    shortened = sum(short != text for short, text in zip(shown, texts, strict=True))
+    rest += [f"the full text of {'this' if len(shown) == 1 else 'these'}"] if shortened else []
     return [*shown, f"The file report.html has {joined(rest)}."] if rest else shown
 
 

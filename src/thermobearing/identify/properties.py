@@ -344,9 +344,9 @@ def prediction_sentence(posterior: Row) -> str:
         best, lower, upper = (number(factor * row[k], ".3g") for k in ("best", "lower", "upper"))
         name = {"force": "peak force"}.get(row["quantity"], row["quantity"])
         name += f" ({row['cycles']})" if row.get("cycles") == LATER_CYCLES else ""
-        values.append(
-            f"{name} {best} {unit} ({lower} to {upper}) at {degrees([row['ambient_degC']])}"
-        )
+        words = f"{name} {best} {unit}".rstrip() + f" ({lower} to {upper})"
+        words += f" at {degrees([row['ambient_degC']])}"
+        values.append(f"{words}, extrapolated" if row.get("beyond_tested") else words)
     return (
         f"Predicted in the first cycle of the largest amplitude of the first test: "
         f"{'; '.join(values)}."

@@ -19,12 +19,13 @@ from thermobearing.identify.properties import (
 )
 from thermobearing.identify.records.treatment import (
     DRIFT,
+    KEPT,
     MAY_REMAIN,
     NOT_SIGNIFICANT,
     SIGNIFICANCE,
 )
 from thermobearing.identify.result import POOR_R2, UNUSABLE
-from thermobearing.identify.uncertainty.covariance import POOR
+from thermobearing.identify.uncertainty.covariance import MISFIT, POOR
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.register import quantity as registered
 from thermobearing.quantities.tables import Table, make_table
@@ -113,7 +114,10 @@ def _treatment_table(records: Sequence[Row]) -> Table:
     note = (
         "Rests are held at constant displacement; spikes and drift are removed on request. A drift "
         f"is stated where it is significant (two-sided, {percent(1.0 - SIGNIFICANCE)}) and exceeds "
-        f"{percent(DRIFT)} of the peak of the smallest cycles, or where its removal was requested."
+        f"{percent(DRIFT)} of the peak of the smallest cycles, or where its removal was requested. "
+        "Samples in rests are those of the file. Of each rest the calibration uses its two ends, "
+        f"or {KEPT} samples where there are thermocouples; the samples in the table of tests "
+        "contain these."
     )
     return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
 
@@ -277,6 +281,7 @@ def worst_error(record: Row, name: str) -> float:
     return largest_by(errors, abs) if errors else float("nan")
 
 
+JUDGED = "Largest errors in the tests used in the calibration and held out"
 CLOSING = "Small cycles that end a block of a test are counted but not listed."
 
 
@@ -467,10 +472,11 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         for name, words in measures
     ]
     sentences.append(
-        f"R² of the force is at least {rounded_down(min(r['R2'] for r in records))} in every "
-        "test. Single "
-        f"cycles are off by up to {joined(errors)}."
+        f"The smallest R² of the force in a test is {_rounded_R2(min(r['R2'] for r in records))}. "
+        f"Single cycles are off by up to {joined(errors)}."
     )
+    if any(str(text).startswith(MISFIT) for text in summary["warnings"]):
+        sentences.append(f"{MISFIT[:1].upper()}{MISFIT[1:]} (possible causes: Warnings).")
     largest = percent(max(_relative_error(p) for p in parameters), 1)
     precision = f"The standard errors of the parameters are at most {largest}"
     if weak := [p["symbol"] for p in parameters if _grade(p) in (POORLY, AT_BOUND, NOT)]:
@@ -524,11 +530,11 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
     tables = {
         "properties": properties_table(summary.get("properties") or []),
         "parameters": parameters_table(summary),
-        # The table of validation tests has the errors of all tests.
+        # The table of tests that were held out has the errors of all tests.
         "records": None if held_out["tests"] else agreement_table(summary["records"]),
         "cycles": None if cycles is None else cycles_table(cycles),
         "thermocouples": thermocouples_table(summary["thermocouples"]),
-        "held_out": errors_table("Validation tests", held_out["tests"]),
+        "held_out": errors_table(JUDGED, held_out["tests"]),
         "posterior": posterior_table(summary.get("posterior") or {}),
         "undetermined": _undetermined_table(summary),
     }
@@ -585,10 +591,25 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     sentences += [
         tidy(f"Assumed in reading the files: {text}") for text in dict.fromkeys(assumptions)
     ]
-    contradicted = [item["name"] for item in summary["assumed"] if item["contradicted"]]
+    sentences += _contradictions(summary["assumed"])
+    sentences += model_assumptions({"scheme": "conservative", "heat_source": None}, [bearing])
+    return sentences
+
+
+def _contradictions(assumed: Sequence[Row]) -> list[str]:
+    """Return which assumed values the tests contradict, and how that relates to the misfit."""
+    contradicted, imitated = (
+        [item["name"] for item in assumed if item.get(key)] for key in ("contradicted", "imitated")
+    )
+    sentences = []
     if contradicted:
         sentences.append(f"The tests contradict the assumed {joined(contradicted)}.")
-    sentences += model_assumptions({"scheme": "conservative", "heat_source": None}, [bearing])
+    if imitated:
+        sentences.append(
+            f"The tests do not contradict the assumed {joined(imitated)}: model and test differ "
+            "(possible causes: Warnings), and with one of these causes removed the tests no longer "
+            "require another value."
+        )
     return sentences
 
 

@@ -59,6 +59,7 @@ TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
 MOST_CAUSES = 3  # that are named
+MISFIT = "model and test differ by more than noise"  # a warning begins with it
 CANNOT_TELL = "Possible causes, which these tests do not distinguish, the most plausible first: "
 MILLI = 1e3  # ms in a second
 MAIN = 0.2  # of the squared residuals: what a mistake of a usual size explains to be a suspect
@@ -153,10 +154,21 @@ class Evidence:
     sigmas: float  # wanted change of the file's values, in standard uncertainties
     stderr: float  # of `sigmas`, by the tests
     explained: float  # share of the squared residuals that this would remove, in [0, 1]
+    # [residual, 1 or test] change by one standard uncertainty that no parameter can imitate.
+    columns: Floats = field(default_factory=lambda: np.zeros((0, 0)), repr=False, compare=False)
+    imitated: bool = False  # with a possible cause of the misfit, the tests require no such change
 
     @property
     def contradicted(self) -> bool:
-        """Whether the tests show that the values of the file are outside their uncertainty."""
+        """Whether the tests show that the values of the file are outside their uncertainty.
+
+        A value that moves only because model and test differ by another cause is not contradicted.
+        """
+        return self.beyond and not self.imitated
+
+    @property
+    def beyond(self) -> bool:
+        """Whether tests require a value beyond its uncertainty, all others as in the file."""
         change = abs(self.sigmas)
         return change > SURE * self.stderr and change > BEYOND * float(np.hypot(1.0, self.stderr))
 
@@ -206,6 +218,7 @@ class Evidence:
             "tests_ask_for_sigmas": self.sigmas,
             "stderr_of_that": self.stderr if np.isfinite(self.stderr) else None,
             "contradicted": self.contradicted,
+            "imitated": self.imitated,
         }
 
 
@@ -263,15 +276,18 @@ def _propagate(linear: Linear, assumed: Assumed) -> Propagated:
     return Propagated(tuple(evidence), shifts, posterior + np.outer(mean, mean))
 
 
-def _weigh(linear: Linear, group: Group, columns: Floats) -> Evidence:
+def _weigh(
+    linear: Linear, group: Group, columns: Floats, residuals: Floats | None = None
+) -> Evidence:
     """Return the evidence on a group from the part of its columns that no parameter can imitate.
 
     `columns` has one column, or one for each test; then the largest change is that of the group.
+    `residuals` are those of the fit by default.
     """
-    residuals = linear.residuals
+    residuals = linear.residuals if residuals is None else residuals
     inner = columns.T @ columns
     if float(np.trace(inner)) <= UNSEEN * max(linear.variance, 1e-300):
-        return Evidence(group, 0.0, float("inf"), 0.0)
+        return Evidence(group, 0.0, float("inf"), 0.0, columns)
     bread = np.linalg.pinv(inner, rcond=1e-10, hermitian=True)
     sigmas = -bread @ (columns.T @ residuals)
     left_over = residuals + columns @ sigmas  # or the error of the file would be taken for noise
@@ -281,7 +297,26 @@ def _weigh(linear: Linear, group: Group, columns: Floats) -> Evidence:
     explained = removed / max(float(residuals @ residuals), 1e-300)
     k = place_of_largest(np.abs(sigmas))
     stderr = float(np.sqrt(max(variance[k, k], smallest[k, k])))
-    return Evidence(group, float(sigmas[k]), stderr, explained)
+    return Evidence(group, float(sigmas[k]), stderr, explained, columns)
+
+
+def _with_imitations(linear: Linear, uncertainty: "Uncertainty") -> "Uncertainty":
+    """Return the uncertainty whose evidence knows which changes a cause of the misfit imitates."""
+    causes = uncertainty.suspects
+
+    def _beside(item: Evidence, cause: Evidence) -> Evidence:
+        """Return the evidence on a group with the values of a cause free as well."""
+        both = np.column_stack([item.columns, linear.residuals])
+        part = both - cause.columns @ np.linalg.lstsq(cause.columns, both, rcond=None)[0]
+        return _weigh(linear, item.group, part[:, :-1], part[:, -1])
+
+    evidence = tuple(
+        replace(item, imitated=not all(_beside(item, cause).beyond for cause in others))
+        if item.beyond and (others := [c for c in causes if c.group != item.group])
+        else item
+        for item in uncertainty.assumed.evidence
+    )
+    return replace(uncertainty, assumed=replace(uncertainty.assumed, evidence=evidence))
 
 
 def _weigh_mistakes(
@@ -362,7 +397,7 @@ class Uncertainty:
 
         These remove the residuals about as well as the best of all does. Which of them is the
         cause is not known by the residuals, so that the one is first that is off by the least
-        part of its usual error. None where no value is contradicted by the tests.
+        part of its usual error. None where the tests require no value beyond its uncertainty.
         """
         evidence = [item for item in (*self.assumed.evidence, *self.mistakes) if item.conceivable]
         clear = [item for item in evidence if abs(item.sigmas) > SURE * item.stderr]
@@ -370,7 +405,7 @@ class Uncertainty:
             return []
         best = max(item.explained for item in clear)
         similar = [item for item in clear if item.explained > AS_LIKELY * best]
-        if not any(item.contradicted or item.is_main_mistake for item in similar):
+        if not any(item.beyond or item.is_main_mistake for item in similar):
             return []
         # No bearing has heat cells: they come first only where nothing else explains more.
         last = [item.group.key == CELLS and item.explained < best for item in similar]
@@ -431,6 +466,7 @@ def estimate(
     d_y = float(problem.pset.bearing(cube).hysteresis.yield_displacement)
     warnings = _signal_warnings(problem.records, d_y)
     warnings += _warnings(problem, uncertainty, d_y)
+    uncertainty = _with_imitations(linear, uncertainty)
     misfit = _misfit(problem, uncertainty)
     return replace(uncertainty, warnings=warnings, misfit=misfit)
 
@@ -514,7 +550,7 @@ def _warnings(problem: Problem, uncertainty: Uncertainty, d_y: float) -> list[st
 
 
 def _misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
-    """Return possible causes of residuals that are not noise; contradicted assumptions first."""
+    """Return possible causes of residuals that are not noise, the least surprising first."""
     if uncertainty.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
         return []
     sentences = []
@@ -526,7 +562,7 @@ def _misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
         listed = suspects[:MOST_CAUSES]
         causes = "; ".join(_suspicion(item, problem.pset.base, peak) for item in listed)
         words = "The likely cause: " if len(suspects) == 1 else CANNOT_TELL
-        sentences.append(f"model and test differ by more than noise. {words}{causes}")
+        sentences.append(f"{MISFIT}. {words}{causes}")
     evidence = list(uncertainty.assumed.evidence)
     if at_one_temperature(record.ambient for record in problem.records):  # freeing needs more
         evidence = [item for item in evidence if item.group.keys[0] not in (kinds.M_T, kinds.N_T)]
@@ -546,7 +582,7 @@ def _misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
         )
     if not sentences and uncertainty.effective_samples < ALIKE * uncertainty.samples:
         sentences.append(
-            "model and test differ by more than noise, and none of the causes that were examined "
+            f"{MISFIT}, and none of the causes that were examined "
             "(assumed values, zeros, drift, delay, ambient temperatures) explains it alone. The "
             "model may lack an effect. The standard errors hold for this model only"
         )
