@@ -15,7 +15,8 @@ from tests.unit.test_figures import overlaps
 from thermobearing.design.figures import DesignFigures
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.identify.records.figures import RecordFigures, draw_record
-from thermobearing.identify.uncertainty.posterior import Band, Predicted, forecast
+from thermobearing.identify.uncertainty.bands import Band, Predicted
+from thermobearing.identify.uncertainty.posterior import forecast
 from thermobearing.results.figure_style import figure_style
 
 pytestmark = pytest.mark.drawn

@@ -216,6 +216,19 @@ def test_what_the_tests_ask_for(off: float) -> None:
     assert found.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
 
 
+def test_errors_that_cancel_make_no_interval_smaller() -> None:
+    """Of two groups with opposite errors, only one with few degrees of freedom is widened."""
+    two = [groups.chosen_groups(None)[0].model_copy(update={"freedom": n}) for n in (3, 10**6)]
+    evidence = tuple(covariance.Evidence(group, 0.0, 1.0, 0.0) for group in two)
+    spread = np.array([[1.0, -0.9], [-0.9, 1.0]])
+    shifts = np.array([[0.5, 1.0], [1.0, 0.5]])
+    variances = [0.25 + 1.0 - 0.9, 1.624**2 + 0.25 - 1.624 * 0.9]  # the first not widened
+    propagated = covariance.Propagated(evidence, shifts, spread)
+    reach = covariance._half_intervals(propagated, np.diag([0.01, 0.02]), 2.0)
+    expected = 1.96 * np.sqrt(np.array(variances) + 4.0 * np.array([0.01, 0.02]))
+    assert reach == pytest.approx(expected, rel=1e-3)
+
+
 HOT = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)
 COOL = tb.cyclic_test(strain=[0.1, 0.25], cycles=2, wave="sine", speed=5.0, rest=None)
 

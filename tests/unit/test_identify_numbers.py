@@ -51,7 +51,9 @@ from thermobearing.identify.records.turns import (
     describe_coarse_samples,
     find_cut_turns,
     find_sharp_turns,
+    largest_displacement,
     step_at_reversals,
+    turned_amplitudes,
 )
 from thermobearing.identify.result import _fit_warnings
 from thermobearing.identify.uncertainty.covariance import (
@@ -589,6 +591,20 @@ def test_the_model_turns_where_the_legs_meet() -> None:
     truth = exact.force[::20]
     for force, limit in zip(forces, (2e-3, 2e-2), strict=True):
         assert_allclose(force, truth, atol=limit * float(truth.max()), rtol=0.0)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.02])
+def test_amplitudes_are_those_between_samples(noise: float) -> None:
+    """Samples miss the turns at 20 mm by up to 0.3 mm; rounded turns are what the samples are."""
+    record = moving_legs(50.0, 0.0, noise)
+    assert len(turned_amplitudes(record)) == len(full_cycles(record))
+    assert turned_amplitudes(record) == pytest.approx([20.0] * 2, abs=0.01 + noise)
+    assert min(cycle.amplitude for cycle in full_cycles(record)) < 19.85
+    assert largest_displacement(record) == pytest.approx(20.0, abs=0.01 + 2.0 * noise)
+    rounded = moving_legs(50.0, 0.2, 0.0)
+    sampled = [cycle.amplitude for cycle in full_cycles(rounded)]
+    assert turned_amplitudes(rounded) == sampled
+    assert largest_displacement(rounded) == rounded.peak_displacement
 
 
 def test_samples_that_do_not_resolve_a_turn_are_named() -> None:

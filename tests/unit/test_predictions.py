@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import thermobearing as tb
@@ -18,16 +19,22 @@ from thermobearing.identify.fit.parameters import (
     parameter_set,
     with_values,
 )
-from thermobearing.identify.properties import LATER, later_cycles, later_means
-from thermobearing.identify.records.cycles import compute_measures, largest_measures
+from thermobearing.identify.properties import (
+    LATER,
+    later_cycles,
+    later_means,
+    predicted_cycles_table,
+)
+from thermobearing.identify.records.cycles import (
+    compare_loops,
+    compute_measures,
+    largest_measures,
+)
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.uncertainty.bands import OUTSIDE
 from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
 from thermobearing.identify.uncertainty.groups import chosen_groups
-from thermobearing.identify.uncertainty.posterior import (
-    OUTSIDE,
-    drawn_bearing,
-    forecast,
-)
+from thermobearing.identify.uncertainty.posterior import drawn_bearing, forecast
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.results.ranges import compare_with_tests, extrapolation, widened
 
@@ -65,6 +72,35 @@ def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification
     in_test = {item.quantity: item.model for item in warm_only.properties}
     for name in LATER:
         assert at_23[f"mean {name}"].best == pytest.approx(in_test[name], rel=1e-6)
+
+
+def test_each_cycle_of_a_test_is_predicted(warm_only: tb.Identification, tmp_path: Path) -> None:
+    """The cycles of the file of the truth lie in the intervals; the table has those of codes."""
+    cold = tb.synthetic_record(TRUTH, -20.0, TEST, noise=0.0)
+    truth = {loop.cycle: loop.model_measures for loop in compare_loops(cold, cold.force)[0]}
+    rows = pd.read_csv(warm_only.save(tmp_path / "fit", figures=False) / "predicted.csv")
+    rows = rows[rows["ambient_degC"] == -20.0]
+    assert list(dict.fromkeys(rows["cycle"])) == list(truth)
+    assert len(rows) == sum(map(len, truth.values()))
+    for row in rows.itertuples():
+        assert row.lower < truth[row.cycle][row.quantity] < row.upper, (row.cycle, row.quantity)
+    assert warm_only.forecast is not None
+    table = predicted_cycles_table(warm_only.forecast.summary())
+    assert [column.title for column in table.columns][3:5] == ["Peak force [kN]", "K_eq [kN/mm]"]
+    # No amplitude has a third cycle: the second one, its last, stands for it.
+    levels = [(strain, number) for strain in ("50", "100", "175") for number in ("1", "2")]
+    assert [tuple(cells[1:3]) for cells in table.texts()[:6]] == levels
+    assert {row for row, _ in table.marked} == set(range(6))  # none of those at 23 degC
+
+
+def test_the_table_has_the_first_and_the_third_cycle() -> None:
+    row = {"ambient_degC": 0.0, "strain": 1.0, "quantity": "K_eq", "unit": "kN/mm"}
+    row |= {"best": 5.0, "lower": 4.9, "upper": 5.1, "beyond_tested": ""}
+    numbers = [1, 2, 3, 4, 1, 1, 2]
+    rows = [row | {"cycle": k, "number": number} for k, number in enumerate(numbers)]
+    table = predicted_cycles_table({"predicted_cycles": rows})
+    assert [cells[2] for cells in table.texts()] == ["1", "3", "1", "1", "2"]
+    assert {cells[3] for cells in table.texts()} == {"5.000 (4.900 to 5.100)"}
 
 
 def test_samples_hold_every_number_that_is_held(

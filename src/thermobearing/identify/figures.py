@@ -17,7 +17,7 @@ from thermobearing.identify.comparison import Comparison
 from thermobearing.identify.records.cycles import TURN, turning_points
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import Identification
-from thermobearing.identify.uncertainty.posterior import OUTSIDE, Band
+from thermobearing.identify.uncertainty.bands import OUTSIDE, Band
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.results import drawing
 from thermobearing.results.metrics import (

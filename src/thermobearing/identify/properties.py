@@ -23,11 +23,13 @@ from thermobearing.identify.records.cycles import (
     property_cycles,
 )
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.turns import turned_amplitudes
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.quantities.register import Quantity
+from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import degrees, joined, number, percent, printed_unit
 from thermobearing.results.metrics import BACKBONE_DEFINITION
+from thermobearing.results.ranges import MARKED
 
 if TYPE_CHECKING:
     from thermobearing.identify.result import Identification
@@ -40,11 +42,16 @@ MEASURED = {  # fields of the measures of a cycle by symbol, and units
     "K_d": ("post_yield_stiffness_kN_mm", "kN/mm"),
 }
 Row = Mapping[str, Any]
-LATER = {name: MEASURED[name][1] for name in ("G_e", "Q_d", "K_d")}  # that are predicted
+LATER = {name: unit for name, (_, unit) in MEASURED.items()}  # that are predicted
 WITHOUT_FIRST = "Mean over the cycles of this amplitude, without the first if there are more."
 DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
 FIRST_CYCLE, LATER_CYCLES = "first of the largest", "mean without the first"  # of a prediction
 HIGH = 0.975  # upper end of a 95 % interval
+THIRD = 3  # cycle of an amplitude that codes take
+AS_IN_THE_TEST = (
+    "The amplitudes are in the order of the first test: those before have warmed the rubber, so "
+    "that a single amplitude from the soaked state, as of `lambda` and `cyclic`, is stiffer."
+)
 WITHIN = "\N{NO-BREAK SPACE}\N{PLUS-MINUS SIGN}\N{NO-BREAK SPACE}"  # between value and half width
 MOST_DECIMALS = 4  # of a value with its interval
 NOT_SHOWN = 1e-9  # of the largest value: ratios to smaller ones say nothing
@@ -97,8 +104,8 @@ def list_properties(identification: "Identification") -> list[Property]:
     of_tests = _values(measured, places, warmest)
     middles, errors = _of_model(identification, best, places, warmest)
     strains = [
-        float(np.mean([rows[k].amplitude_mm for k in cycle_numbers])) / rubber
-        for rows, cycle_numbers in zip(measured, places, strict=True)
+        float(np.mean([turned_amplitudes(record)[k] for k in cycle_numbers])) / rubber
+        for record, cycle_numbers in zip(records, places, strict=True)
     ]
     properties = []
     for place, record in enumerate(records):
@@ -189,7 +196,7 @@ def later_cycles(identification: "Identification") -> list[int]:
 def later_means(
     identification: "Identification", force: Floats, cycles: Sequence[int]
 ) -> dict[str, float]:
-    """Return G_e [MPa], Q_d [kN] and K_d [kN/mm] of the model in the first test, by symbol.
+    """Return G_e [MPa], h_eq, Q_d [kN] and K_d [kN/mm] of the model in the first test, by symbol.
 
     `force` [kN] is that of the model at its samples; the means are those of `list_properties`, over
     the cycles of these numbers. Empty where a cycle cannot be measured.
@@ -311,6 +318,47 @@ def _rounded_up(half_width: float) -> tuple[str, str]:
     rounded = math.ceil(half_width / step - NOT_SHOWN) * step
     form = f".{max(decimals, 0)}f"
     return form, number(rounded, form)
+
+
+def predicted_cycles_table(posterior: Row) -> Table:
+    """Return what is predicted of the first and the third cycle of each amplitude.
+
+    The last cycle stands for the third of an amplitude that has fewer.
+    """
+    cycles: dict[tuple[float, int], dict[str, Row]] = {}
+    for row in posterior.get("predicted_cycles", []):
+        cycles.setdefault((row["ambient_degC"], row["cycle"]), {})[row["quantity"]] = row
+    levels: list[list[Row]] = []
+    for items in cycles.values():
+        first = next(iter(items.values()))
+        if first["number"] == 1 or not levels:
+            levels.append([])
+        levels[-1].append(first)
+    chosen = [
+        row
+        for level in levels
+        for row in {item["number"]: item for item in (*level[:1], *level[:THIRD][-1:])}.values()
+    ]
+    columns = [quantity(name) for name in ("ambient_degC", "strain", "cycle")]
+    rows: list[list[Any]] = []
+    for first in chosen:
+        items = cycles[first["ambient_degC"], first["cycle"]]
+        cells = [columns[0].shown(first["ambient_degC"]), columns[1].shown(first["strain"])]
+        cells.append(first["number"])
+        for name in items:
+            factor = printed_unit(str(items[name]["unit"]))[1]
+            values = (factor * items[name][end] for end in ("best", "lower", "upper"))
+            ends = (number(value, "#.4g").rstrip(".") for value in values)
+            cells.append("{} ({} to {})".format(*ends))
+        rows.append(cells)
+    for name, item in next(iter(cycles.values()), {}).items():
+        head = {"force": "Peak force", "energy": "Energy"}.get(name, name)
+        columns.append(Quantity(head, printed_unit(str(item["unit"]))[0]))
+    marked = frozenset((k, 0) for k, first in enumerate(chosen) if first["beyond_tested"])
+    caption = "Predicted cycles as in the first test, with 95 % intervals"
+    note = f"First and third cycle of each amplitude; all are in predicted.csv. {AS_IN_THE_TEST}"
+    note += f" {MARKED}; the intervals are wider there." if marked else ""
+    return Table(caption, columns, rows, keys=3, marked=marked, note=note)
 
 
 def property_sentence(properties: Sequence[Row]) -> str:

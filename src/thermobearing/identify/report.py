@@ -13,6 +13,8 @@ import numpy as np
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import read_toml, split_sources
 from thermobearing.identify.properties import (
+    AS_IN_THE_TEST,
+    predicted_cycles_table,
     prediction_sentence,
     properties_table,
     property_sentence,
@@ -219,8 +221,10 @@ def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
         for key, item in summary["parameters"].items()
     ]
     note = "Standard errors include the uncertainty of the parameters that are held. Intervals "
-    note += "are wider than two of them where an uncertainty is itself known from few degrees of "
-    note += "freedom (Student's distribution). "
+    note += (
+        "are 1.96 of them to each side, and wider where an uncertainty is itself known from few "
+    )
+    note += "degrees of freedom (Student's distribution). "
     note += _correlated(summary)
     caption = "Identified parameters"
     return make_table(pd.DataFrame(rows), names, caption, keys=2, note=note, keep_keys=True)
@@ -361,9 +365,10 @@ def posterior_table(posterior: Row) -> Table:
         )
     marks = [row["outside_tests"] != "nothing" for row in rows]
     note = (
-        "K_eq, Q_d and energy of the first cycle of the largest amplitude in the first test, the "
-        "peak force of all of it. Means without the first cycle, if there are more, are over the "
-        "cycles of the table of properties, so that their ratios are factors of temperature. "
+        "K_eq, h_eq, Q_d and energy of the first cycle of the largest amplitude in the first test, "
+        "the peak force of all of it. Means without the first cycle, if there are more, are over "
+        "the cycles of the table of properties, so that their ratios are factors of temperature. "
+        f"{AS_IN_THE_TEST} "
     )
     note += (
         f"From {posterior.get('samples')} samples of the posterior ({posterior.get('source')}), "
@@ -536,6 +541,7 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
         "thermocouples": thermocouples_table(summary["thermocouples"]),
         "held_out": errors_table(JUDGED, held_out["tests"]),
         "posterior": posterior_table(summary.get("posterior") or {}),
+        "predicted_cycles": predicted_cycles_table(summary.get("posterior") or {}),
         "undetermined": _undetermined_table(summary),
     }
     return {name: table for name, table in tables.items() if table and table.rows}

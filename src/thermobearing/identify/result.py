@@ -25,8 +25,10 @@ from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
 from thermobearing.identify.properties import Property, list_properties, properties_table
 from thermobearing.identify.records.checks import COARSE, CheckReport, Offset
-from thermobearing.identify.records.record import TestRecord, record_conditions
+from thermobearing.identify.records.conditions import record_conditions
+from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import UNITS
+from thermobearing.identify.records.turns import turned_amplitudes
 from thermobearing.identify.uncertainty.covariance import Uncertainty
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import percent
@@ -36,6 +38,7 @@ from thermobearing.results.directory import (
     FIT_TABLE,
     IDENTIFIED,
     INPUT_DIGESTS,
+    PREDICTED,
     SAMPLES,
     THERMOCOUPLES,
     VALIDATED_CYCLES,
@@ -44,7 +47,7 @@ from thermobearing.results.ranges import names_by_sentence
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
-    from thermobearing.identify.uncertainty.posterior import Forecast
+    from thermobearing.identify.uncertainty.bands import Forecast
 
 REACHED_TO = 1  # decimals of a temperature that a thermocouple reached [degC]
 POOR_R2 = 0.98  # coefficient of determination below which a warning is given
@@ -357,6 +360,8 @@ class Identification(Result):
         if self.forecast is not None:
             samples = pd.DataFrame(self.forecast.columns)
             samples.to_csv(folder / SAMPLES, index=False, float_format="%.6g", lineterminator="\n")
+            if rows := self.forecast.cycles:
+                write_csv(folder / PREDICTED, pd.DataFrame(rows))
         table = _bearing_table(self)
         (folder / IDENTIFIED).write_text(tomli_w.dumps(table), encoding="utf-8")
         if self.outcome != "poor_fit":  # other bearings must not be derived from it
@@ -388,7 +393,7 @@ def write_digests(folder: Path, records: Sequence[TestRecord]) -> None:
 
 def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
     """Return the content of summary.json about a test, compared with the calibrated model."""
-    record = fit.record
+    record, amplitudes = fit.record, turned_amplitudes(fit.record)
     return {
         "name": record.name,
         "file": record.file,
@@ -403,7 +408,7 @@ def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
         "unused_columns": list(record.unused),
         "cycles": [
             {"cycle": loop.cycle, "number": loop.number}
-            | {"amplitude_strain": loop.amplitude / fit.rubber}
+            | {"amplitude_strain": amplitudes[loop.cycle - 1] / fit.rubber}
             | loop.errors
             for loop in fit.loops
         ],

@@ -53,6 +53,7 @@ from thermobearing.identify.fit.start import (
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import full_cycles
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.turns import largest_displacement, turned_amplitudes
 from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.covariance import estimate
 from thermobearing.identify.uncertainty.groups import chosen_groups
@@ -286,8 +287,9 @@ def _range_of_tests(
     """
     strains, speeds = [], []
     for record in records:
-        full = [cycle.amplitude for cycle in full_cycles(record) if not cycle.closing]
-        strains += [float(size) / rubber for size in full or [record.peak_displacement]]
+        cycles = zip(full_cycles(record), turned_amplitudes(record), strict=True)
+        sizes = [amplitude for cycle, amplitude in cycles if not cycle.closing]
+        strains += [size / rubber for size in sizes or [largest_displacement(record)]]
         speeds.append(largest_speed(record.time, record.displacement) / rubber)
     leads = [end for prediction in predictions for end in prediction.lead or ()]
     ends = {

@@ -190,6 +190,7 @@ ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
 STATES, VIRGIN = "states.csv", "virgin.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
+PREDICTED = "predicted.csv"  # quantities of each cycle of a predicted test
 INPUT_DIGESTS = "inputs.sha256"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
@@ -227,6 +228,7 @@ RESULT_NAMES = {
     PARTS,
     PERIODS,
     PIERS,
+    PREDICTED,
     PROPERTIES,
     QUOFEM,
     REPORT_HTML,

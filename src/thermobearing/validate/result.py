@@ -13,7 +13,8 @@ from thermobearing.border.arguments import checked
 from thermobearing.border.lazy import pd
 from thermobearing.identify.comparison import NAN, Comparison, cycles_frame, unused_columns
 from thermobearing.identify.records.checks import CheckReport
-from thermobearing.identify.records.record import TestRecord, record_conditions
+from thermobearing.identify.records.conditions import record_conditions
+from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.result import (
     Identification,
     check_warnings,
@@ -30,7 +31,7 @@ from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
-    from thermobearing.identify.uncertainty.posterior import Forecast
+    from thermobearing.identify.uncertainty.bands import Forecast
 
 PARTLY = (
     "The model did not complete every test; the table lists the outcome of each. Try smaller "

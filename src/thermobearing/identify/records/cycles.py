@@ -270,10 +270,22 @@ class Loop:
         return {name: self.model[name] / value for name, value in self.test.items()}
 
     @property
+    def model_measures(self) -> dict[str, float]:
+        """Force of the model [kN], the larger of both sides; K_eq [kN/mm], h_eq, Q_d, energy."""
+        return {
+            "force": max(abs(self.model["F+"]), abs(self.model["F-"])),
+            "K_eq": self.model["K_eq"],
+            "h_eq": self.model["h_eq"],
+            "Q_d": self.strengths[1],
+            "energy": self.model["energy"],
+        }
+
+    @property
     def errors(self) -> dict[str, float]:
         """Model / test - 1 of G_e, h_eq, energy and the largest force on either side."""
         ratios = self.ratios
-        model, test = (max(abs(side["F+"]), abs(side["F-"])) for side in (self.model, self.test))
+        test = max(abs(self.test["F+"]), abs(self.test["F-"]))
+        model = self.model_measures["force"]
         return {
             "G_eq_error": ratios["K_eq"] - 1.0,  # displacements are the same, and cancel
             "h_eq_error": ratios["h_eq"] - 1.0,
@@ -317,20 +329,14 @@ def compare_loops(record: TestRecord, force: Floats) -> tuple[list[Loop], Loop |
 
 
 def largest_measures(record: TestRecord, force: Floats) -> dict[str, float]:
-    """Return K_eq [kN/mm], Q_d [kN] and energy [kN mm] of the largest loop, and the peak force.
+    """Return the measures of the model in the largest loop, and its peak force in the record.
 
     `force` is the model's at the samples of the record [kN]. The loop is that of `compare_loops`; a
     record without a loop has a peak force only.
     """
-    measures = {"force": float(np.abs(force).max())}
     loop = _largest_loop(_signals(record, force), _numbered_cycles(record), {})
-    if loop is None:
-        return measures
-    return measures | {
-        "K_eq": loop.model["K_eq"],
-        "Q_d": loop.strengths[1],
-        "energy": loop.model["energy"],
-    }
+    measures = {} if loop is None else loop.model_measures
+    return measures | {"force": float(np.abs(force).max())}
 
 
 class _Signals(NamedTuple):

@@ -4,11 +4,10 @@
 sidecars. Assumptions (clock, ambient temperature) are stored with it.
 """
 
-import hashlib
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -24,7 +23,7 @@ from thermobearing.border.units import number_list
 from thermobearing.core.records import Floats, Ints
 from thermobearing.cyclic.conditioning import filled
 from thermobearing.quantities.words import joined
-from thermobearing.results.ranges import Ends, cycles_in_a_row, largest_speed, reached_by
+from thermobearing.results.ranges import Ends, largest_speed, reached_by
 from thermobearing.tables.conditioning import Conditioning
 from thermobearing.tables.guess import AXIAL, HeaderTemperature
 from thermobearing.tables.laboratory import Readings, read_laboratory
@@ -415,54 +414,6 @@ def _conditioning(readings: Readings, assumptions: list[str]) -> Conditioning | 
             f"{complete.before:g} degC is assumed. State before in the sidecar"
         )
     return complete
-
-
-def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
-    """Return the content of summary.json about the conditions of a test.
-
-    `rubber` is the total thickness of the bearing's rubber [mm]. `sha256` is the digest of time,
-    displacement and force of the record, `files` has those of the files that it was read from.
-    """
-    digest = hashlib.sha256()
-    for values in (record.time, record.displacement, record.force):
-        digest.update(values.astype("<f8").tobytes())
-    return {
-        "duration_s": float(record.time[-1] - record.time[0]),
-        "samples": len(record.time),
-        "largest_displacement_mm": record.peak_displacement,
-        "largest_strain": record.peak_displacement / rubber,
-        "largest_force_kN": record.peak_force,
-        "largest_speed_mm_s": largest_speed(record.time, record.displacement),
-        "cycles_in_a_row": cycles_in_a_row(record.time, record.displacement),
-        "thermocouples": dict(record.places),
-        **{name: getattr(record, name) for name in WEIGHTS},
-        **record.about,
-        **_stated_conditioning(record.conditioning),
-        **_stated_axial(record.axial),
-        "assumptions": list(record.assumptions),
-        "sha256": digest.hexdigest(),
-        **({"files": dict(record.digests)} if record.digests else {}),
-    }
-
-
-def _stated_conditioning(conditioning: Conditioning | None) -> dict[str, Any]:
-    """Return the conditioning of a record for summary.json; nothing if it is not stated."""
-    if conditioning is None:
-        return {}
-    return {
-        "conditioned_h": conditioning.conditioned,
-        "before_degC": conditioning.before,
-        "inside_degC": conditioning.inside,
-        "inside_place": conditioning.inside_place,
-        "chamber_film_W_m2K": conditioning.chamber_film,
-    }
-
-
-def _stated_axial(axial: AxialRecord | None) -> dict[str, Any]:
-    """Return the ends of the axial force of a record for summary.json; nothing without one."""
-    if axial is None:
-        return {}
-    return {"axial_force_kN": [float(axial.force.min()), float(axial.force.max())]}
 
 
 def reached_values(

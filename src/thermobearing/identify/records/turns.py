@@ -17,6 +17,7 @@ from thermobearing.identify.records.cycles import (
     TURN,
     dead_band,
     estimate_noise,
+    full_cycles,
     turning_points,
 )
 from thermobearing.identify.records.record import TestRecord
@@ -120,6 +121,28 @@ def _line_beside(time: Floats, x: Floats, k: int, side: int, noise: float) -> _L
         if straight and gaps.max() < EVEN * float(np.median(gaps)):
             return _Line(slope, float(d.mean() - slope * t.mean()), count, step)
     return None
+
+
+def largest_displacement(record: TestRecord) -> float:
+    """Return the largest displacement of a motion [mm], which may be between two samples."""
+    k = place_of_largest(np.abs(record.displacement))
+    return abs(_turned_samples(record).get(k, float(record.displacement[k])))
+
+
+def turned_amplitudes(record: TestRecord) -> list[float]:
+    """Return the amplitude of each full cycle [mm]; its turns may be between two samples."""
+    turned, x, amplitudes = _turned_samples(record), record.displacement, []
+    for cycle in full_cycles(record):
+        rows = x[cycle.first : cycle.last + 1]
+        high, low = cycle.first + int(rows.argmax()), cycle.first + int(rows.argmin())
+        amplitudes.append(0.5 * (turned.get(high, float(x[high])) - turned.get(low, float(x[low]))))
+    return amplitudes
+
+
+def _turned_samples(record: TestRecord) -> dict[int, float]:
+    """Return the displacement of the sharp turns [mm] by the samples before and after them."""
+    turns = find_sharp_turns(record.time, record.displacement)
+    return {k: turn.displacement for turn in turns for k in (turn.before, turn.before + 1)}
 
 
 def describe_cut_turns(record: TestRecord) -> str:

@@ -440,9 +440,7 @@ def estimate(
     assumed = _propagate(linear, linearise_assumed(problem, cube, groups, fine=fine))
     of_tests = linear.covariance()
     factor = widening(int(linear.blocks.max()) + 1 - len(cube))
-    # Of the intervals: each part with its own degrees of freedom.
-    square = np.diag(assumed._covariance(assumed.widening)) + factor**2 * np.diag(of_tests)
-    reach = half_interval(NORMAL_FREEDOM) * np.sqrt(square)
+    reach = _half_intervals(assumed, of_tests, factor)
     covariance, spread = of_tests + assumed._covariance(), np.sqrt(np.diag(of_tests))
     # A parameter without error, of exact tests, would divide the correlation by zero.
     safe = np.where(spread > 0.0, spread, 1.0)
@@ -469,6 +467,20 @@ def estimate(
     uncertainty = _with_imitations(linear, uncertainty)
     misfit = _misfit(problem, uncertainty)
     return replace(uncertainty, warnings=warnings, misfit=misfit)
+
+
+def _half_intervals(assumed: Propagated, of_tests: Floats, factor: float) -> Floats:
+    """Return half the 95 % intervals in the unit cube, each part with its degrees of freedom.
+
+    `factor` widens the errors by the tests, whose covariance is `of_tests`.
+    """
+    # Errors of two groups may cancel in a parameter, and more so where only one of them is widened:
+    # that makes no interval smaller.
+    of_groups = np.maximum(
+        *(np.diag(assumed._covariance(factors)) for factors in (1.0, assumed.widening))
+    )
+    square = of_groups + factor**2 * np.diag(of_tests)
+    return np.asarray(half_interval(NORMAL_FREEDOM) * np.sqrt(square))
 
 
 def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: float) -> Estimate:

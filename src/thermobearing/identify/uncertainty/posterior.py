@@ -14,9 +14,8 @@ import math
 import time
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from statistics import NormalDist
-from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,15 +29,25 @@ from thermobearing.identify.fit.forward import ForwardModel, Prediction
 from thermobearing.identify.fit.parameters import SPAN, ParameterSet
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.properties import (
-    FIRST_CYCLE,
-    LATER,
-    LATER_CYCLES,
     later_cycles,
     later_means,
 )
-from thermobearing.identify.records.cycles import largest_measures
+from thermobearing.identify.records.cycles import compare_loops, full_cycles, largest_measures
 from thermobearing.identify.records.record import reached_values
+from thermobearing.identify.records.turns import turned_amplitudes
 from thermobearing.identify.result import Identification
+from thermobearing.identify.uncertainty.bands import (
+    HIGH,
+    LOW,
+    MEAN,
+    Band,
+    Forecast,
+    Narrowing,
+    Predicted,
+    PredictedCycle,
+    Samples,
+    widened_outside,
+)
 from thermobearing.identify.uncertainty.covariance import estimate
 from thermobearing.identify.uncertainty.groups import AMBIENT, chosen_groups, shift
 from thermobearing.quantities.governing import order_from_largest, place_of_least
@@ -48,163 +57,20 @@ from thermobearing.results.ranges import (
     extrapolation,
     limits_passed,
     outside_tests,
-    widened,
 )
 from thermobearing.results.sums import product_in_order, sum_of_products
 
 WALKERS_PER = 3  # walkers for each parameter
-LOW, HIGH = 0.025, 0.975
 # Of a forecast: the ends of a 95 % interval then vary by a tenth of its half width.
 DRAWS = 400
 MOST_ROUNDS = 50  # of draws until enough are within the bounds
-UNITS = {"force": "kN", "K_eq": "kN/mm", "Q_d": "kN", "energy": "kN mm"}
-MEAN = "mean "  # begins the name of a quantity that is one of later cycles
-UNITS |= {f"{MEAN}{name}": unit for name, unit in LATER.items()}
-OUTSIDE = "outside the tests"  # among the causes of a band
+IN_CYCLE = " in cycle "  # between the name of a quantity and the number of one cycle
 CHAMBER = 0.2  # K, of a chamber that is known well
 NO_SHARE = 1e-3  # of a variance: smaller ones are left out
 LEAST_SHARE = 0.05  # of a variance: smaller ones are not named
 PART = 0.5  # of a standard error: the step of a derivative
 START_DIGITS = 4  # of a walker in the unit cube: far less than a standard error
 STEPS, BURN = 300, 100  # of a walker, kept and thrown away
-
-
-@dataclass(frozen=True)
-class Samples:
-    """Points of the unit cube from the posterior, and how they were drawn."""
-
-    cube: Floats  # [samples, parameters]
-    source: str  # "laplace" or "emcee"
-    held: Floats  # [samples, groups] change of each assumed group, in standard uncertainties
-    acceptance: float = 1.0
-    autocorrelation: float = 1.0  # steps of a walker until it forgets; nan if not known
-
-
-@dataclass(frozen=True)
-class Predicted:
-    """A quantity of a predicted test with its 95 % band, and where the band comes from."""
-
-    quantity: str  # "force", "K_eq", "Q_d", "energy", or "mean G_e", "mean Q_d" or "mean K_d"
-    best: float  # [kN], [kN/mm], [kN], [kN mm], [MPa], [kN], [kN/mm]
-    lower: float
-    upper: float
-    # Share of its variance by each cause: "tests" for their scatter, and the assumed groups.
-    shares: dict[str, float] = field(default_factory=dict)
-    held_share: float = 0.0  # of numbers of the bearing that the tests did not determine
-    draws: Floats = field(default_factory=lambda: np.zeros(0), repr=False)  # that completed
-
-    @property
-    def half_width(self) -> float:
-        """Half the width of the band, over the best estimate."""
-        return 0.5 * (self.upper - self.lower) / self.best
-
-    @property
-    def _cycles(self) -> str:
-        """Return the cycles of the test that the quantity is of."""
-        if self.quantity.startswith(MEAN):
-            return LATER_CYCLES
-        return "all" if self.quantity == "force" else FIRST_CYCLE
-
-    def summary(self) -> dict[str, Any]:
-        """Return the content of summary.json about the quantity."""
-        return {
-            "quantity": self.quantity.removeprefix(MEAN),
-            "cycles": self._cycles,
-            "unit": UNITS[self.quantity],
-            "best": self.best,
-            "lower": self.lower,
-            "upper": self.upper,
-            "share_not_determined": self.held_share,
-            "shares": self.shares,
-        }
-
-
-@dataclass(frozen=True)
-class Band:
-    """95 % band of the force at the samples of a test, and of its measures.
-
-    It contains the uncertainty of the free parameters and of all that are held, neither noise nor
-    model error.
-    """
-
-    ambient: float  # [degC]
-    displacement: Floats  # at the samples [mm]
-    best: Floats  # force [kN]
-    lower: Floats
-    upper: Floats
-    predicted: tuple[Predicted, ...]  # the peak force first
-    lead: tuple[float, float] | None = None  # coldest and warmest lead [degC]
-    beyond_tested: str = ""  # quantities outside the calibration range
-
-    @property
-    def main(self) -> Predicted:
-        """K_eq, or the peak force of a record without a loop."""
-        return next((p for p in self.predicted if p.quantity == "K_eq"), self.predicted[0])
-
-    @property
-    def peak(self) -> float:
-        """Largest force with the calibrated parameters [kN]."""
-        return self.predicted[0].best
-
-    @property
-    def peak_lower(self) -> float:
-        """Lower end of the 95 % band of the largest force [kN]."""
-        return self.predicted[0].lower
-
-    @property
-    def peak_upper(self) -> float:
-        """Upper end of the 95 % band of the largest force [kN]."""
-        return self.predicted[0].upper
-
-
-class Narrowing(NamedTuple):
-    """Knowledge that would narrow a band."""
-
-    what: str
-    half_width: float  # of the 95 % band with it, over the best estimate
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """Draws of the parameters, and their bands at some temperatures."""
-
-    samples: Samples
-    bands: tuple[Band, ...] = ()
-    warnings: tuple[str, ...] = ()  # statements on extrapolation beyond the tests
-    notes: tuple[str, ...] = ()  # where the bands come from
-    columns: dict[str, Floats] = field(default_factory=dict)  # of posterior.csv, by symbol or key
-    narrowing: tuple[Narrowing, ...] = ()  # of the coldest band
-
-    def summary(self) -> dict[str, Any]:
-        """Return the content of summary.json about the forecast."""
-        return {
-            "source": self.samples.source,
-            "samples": len(self.samples.cube),
-            "acceptance": self.samples.acceptance,
-            "autocorrelation_steps": self.samples.autocorrelation,
-            "warnings": list(self.warnings),
-            "notes": list(self.notes),
-            "narrowing": [item._asdict() for item in self.narrowing],
-            "peak_force": [
-                {
-                    "ambient_degC": band.ambient,
-                    "best_kN": band.peak,
-                    "lower_kN": band.peak_lower,
-                    "upper_kN": band.peak_upper,
-                    "beyond_tested": band.beyond_tested,
-                }
-                for band in self.bands
-            ],
-            "predicted": [
-                {
-                    "ambient_degC": band.ambient,
-                    **item.summary(),
-                    "beyond_tested": band.beyond_tested,
-                }
-                for band in self.bands
-                for item in band.predicted
-            ],
-        }
 
 
 @checked
@@ -253,7 +119,7 @@ def forecast(
         reached = reached_values(identification.records[0], thickness, ambient, band.lead)
         compared = list(compare_with_tests(name, reached, tested))
         extrapolations.append(extrapolation(compared))
-        bands.append(_outside(band, limits_passed(compared, [name])[0], extrapolations[-1]))
+        bands.append(widened_outside(band, limits_passed(compared, [name])[0], extrapolations[-1]))
         rows += compared
     warnings = outside_tests(identification.bearing.name, rows, tested)
     columns, notes = _sample_columns(identification, samples), [_share_note(band) for band in bands]
@@ -273,27 +139,6 @@ def _narrowing_note(band: Band, narrowing: Sequence[Narrowing]) -> str:
         f"{item.quantity} at {band.ambient:.4g} degC is known to {sign}"
         f"{percent(item.half_width, 1)}. It would be known better with one of these: {options}"
     )
-
-
-def _outside(band: Band, beyond: str, uncertainty: float) -> Band:
-    """Return a band with the quantities outside the tests, and as wide as that makes it.
-
-    `more` is the relative standard uncertainty of forces there.
-    """
-    # Within the range of the tests the band stays as it is.
-    if not uncertainty:
-        return replace(band, beyond_tested=beyond)
-    lower, upper = widened(band.lower, band.upper, band.best, uncertainty, HIGH)
-    predicted = []
-    for item in band.predicted:
-        low, high = map(float, widened(item.lower, item.upper, item.best, uncertainty, HIGH))
-        grown = ((high - low) / max(item.upper - item.lower, 1e-300)) ** 2  # of the variance
-        shares = {name: share / grown for name, share in item.shares.items()}
-        shares[OUTSIDE] = 1.0 - 1.0 / grown
-        held_share = item.held_share / grown + shares[OUTSIDE]
-        predicted.append(replace(item, lower=low, upper=high, shares=shares, held_share=held_share))
-    wider_band = replace(band, lower=lower, upper=upper, predicted=tuple(predicted))
-    return replace(wider_band, beyond_tested=beyond)
 
 
 def _share_note(band: Band) -> str:
@@ -482,21 +327,37 @@ def _predictive_band(
     middles = measure(best.force)
     measures = [item for item in map(measure, forces) if item.keys() >= middles.keys()]
     errors = _errors(identification, ambient)
-    predicted = []
+    predicted: dict[str, list[Predicted]] = {}  # by the number of the cycle; "" of the test
     for name, value in middles.items():
         drawn = np.array([item[name] for item in measures])
         low, high = np.quantile(drawn, [LOW, HIGH]).tolist()
-        error = errors[name]
+        error, (quantity, _, cycle) = errors[name], name.partition(IN_CYCLE)
         share = error.share_of_held
-        predicted.append(Predicted(name, value, low, high, error.shares, share, drawn))
+        item = Predicted(quantity, value, low, high, error.shares, share, drawn)
+        predicted.setdefault(cycle, []).append(item)
     return Band(
         ambient=ambient,
         displacement=test.displacement,
         best=best.force,
         lower=lower,
         upper=upper,
-        predicted=tuple(predicted),
+        predicted=tuple(predicted.pop("")),
         lead=best.lead,
+        cycles=_cycles(identification, predicted) if predicted else (),
+    )
+
+
+def _cycles(
+    identification: Identification, predicted: Mapping[str, Sequence[Predicted]]
+) -> tuple[PredictedCycle, ...]:
+    """Return the cycles of the first test with what is predicted of each, by its number."""
+    rubber = identification.bearing.total_rubber_thickness
+    record = identification.records[0]
+    cycles, amplitudes = full_cycles(record), turned_amplitudes(record)
+    places = [int(cycle) for cycle in predicted]
+    return tuple(
+        PredictedCycle(k, cycles[k - 1].number, amplitudes[k - 1] / rubber, tuple(items))
+        for k, items in zip(places, predicted.values(), strict=True)
     )
 
 
@@ -507,7 +368,12 @@ def _measure_of_test(identification: Identification) -> Callable[[Floats], dict[
     def _measure(force: Floats) -> dict[str, float]:
         means = later_means(identification, force, cycles)
         named_means = {f"{MEAN}{name}": value for name, value in means.items()}
-        return largest_measures(test, force) | named_means
+        of_cycles = {
+            f"{name}{IN_CYCLE}{loop.cycle}": value
+            for loop in compare_loops(test, force)[0]
+            for name, value in loop.model_measures.items()
+        }
+        return largest_measures(test, force) | named_means | of_cycles
 
     return _measure
 
