@@ -19,7 +19,15 @@ Row = tuple[str, dict[str, Any], list[str]]
 
 SPECIMEN = "shen-hdr-specimen"
 # Files of a result without figures.
-FILES = ["case.resolved.toml", "history.csv", "result.nc", "summary.json", "tested_range.csv"]
+FILES = [
+    "case.resolved.toml",
+    "cycles.csv",
+    "history.csv",
+    "result.nc",
+    "summary.json",
+    "tested_range.csv",
+]
+WITHOUT_CYCLES = [name for name in FILES if name != "cycles.csv"]  # ended in its first cycle
 REMOVED = object()  # in place of a value: take the key away
 CYCLES = {"step": "cycles", "strain": 1.0, "speed": "60 mm/s", "count": 1}
 # One cycle of 2 s in 200 steps: small enough to be run hundreds of times.

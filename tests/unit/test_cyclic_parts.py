@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from numpy.testing import assert_allclose
@@ -21,6 +22,7 @@ from thermobearing.cyclic.equivalent import bilinear_parameters, isothermal_cycl
 from thermobearing.cyclic.history import Segment, _kept_steps, build_segments, run_segments
 from thermobearing.cyclic.protocol import Recorded, Rest
 from thermobearing.cyclic.result import _history_blocks
+from thermobearing.cyclic.tables import cycles_table
 from thermobearing.model.options import build_model
 
 HDR = tb.load_bearing("shen-hdr-specimen")
@@ -267,3 +269,16 @@ def test_a_cycle_without_heating_leaves_the_lead_at_its_temperature() -> None:
     second, third = (isothermal_cycle("lrb-example", 1.5, 300.0, -20.0, k) for k in (2, 3))
     assert third.stiffness_kN_mm == pytest.approx(second.stiffness_kN_mm, rel=1e-9)
     assert third.energy_kN_mm == pytest.approx(second.energy_kN_mm, rel=1e-9)
+
+
+def test_the_brief_table_has_the_cycles_that_codes_take(tmp_path: Path) -> None:
+    """The first, the third and the last of each amplitude; cycles.csv has all."""
+    test = tb.cyclic_test(strain=[0.5, 1.0], cycles=12, rest=None, dt=0.05)
+    result = tb.run("shen-hdr-specimen", test, ambient=[23.0])
+    table = cycles_table(result, brief=True)
+    place = [column.name for column in table.columns].index("cycle")
+    assert [cells[place] for cells in table.texts()] == ["1", "3", "12"] * 2
+    stored = pd.read_csv(result.save(tmp_path / "out", figures=False) / "cycles.csv")
+    assert list(stored) == list(result.cycles)
+    assert stored["cycle"].tolist() == [*range(1, 13)] * 2
+    assert_allclose(stored["h_eq"], result.cycles["h_eq"], rtol=1e-6)

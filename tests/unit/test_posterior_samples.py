@@ -41,6 +41,17 @@ def test_samples_are_reported_apart_in_a_sweep(tmp_path: Path) -> None:
     assert lowest < band.sel(bearing=NAME).item() < highest
 
 
+def test_bearings_of_other_thickness_share_the_strains_of_a_test(tmp_path: Path) -> None:
+    """1.75 t/t is 1.75 but for rounding, which made three coordinates with gaps of one strain."""
+    rows = "\n".join(str(4.9 + 0.013 * k) for k in range(12))
+    file = written(tmp_path, f"geometry.rubber_thickness\n{rows}\n")
+    test = tb.cyclic_test(strain=[0.5, 1.75], cycles=1, rest=None, dt=0.05)
+    runs = [tb.run(bearing, test, ambient=[-20]) for bearing in posterior_bearings(NAME, file)]
+    strains = {float(value) for result in runs for value in result.cycles["amplitude_strain"]}
+    assert len(strains) > 2
+    assert {tuple(result.to_dataset().strain.values) for result in runs} == {(0.5, 1.75)}
+
+
 def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -> None:
     specimen = tb.load_bearing("shen-lhdr-specimen")
     large = tb.new_bearing(

@@ -294,6 +294,7 @@ def bearing_facts(bearing: Bearing) -> dict[str, str]:
         "description": bearing.description,
         "plan": f"{g.plan.shape}, {bearing.area:g} mm2",
         "rubber": f"{g.rubber_layers} x {g.rubber_thickness:g} = {g.total_rubber_thickness:g} mm",
+        "shims": f"{g.rubber_layers - 1} x {g.shim_thickness:g} mm",
         "end plates": f"{g.end_plate_thickness:g} mm",
         "shape factors": f"S1 = {g.first_shape_factor:.3g}, S2 = {g.second_shape_factor:.3g}",
         "temperatures": _range(bearing.temperature_law),

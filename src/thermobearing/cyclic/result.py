@@ -16,7 +16,13 @@ from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.results.base import DatasetResult
-from thermobearing.results.directory import COMPARISON, DATASET, HISTORY, RESOLVED
+from thermobearing.results.directory import (
+    COMPARISON,
+    DATASET,
+    HISTORY,
+    RESOLVED,
+    VALIDATED_CYCLES,
+)
 from thermobearing.results.metrics import (
     BALANCE,
     balance_row,
@@ -32,6 +38,7 @@ from thermobearing.results.writing import (
     from_attribute,
     without_formulas,
     without_rounding,
+    write_csv,
     write_dataset,
 )
 
@@ -39,6 +46,7 @@ CYCLES = "closed_cycle"  # dimension of the measures in a file, and the beginnin
 COMPONENT = "component"  # dimension of displacements and forces in a plane
 AT_PEAK = 1.0 - 1e-6  # of the largest displacement in a plane: a circle has many of them
 CSV_BLOCK = 50_000  # rows formatted at a time
+STRAIN_DIGITS = 12  # decimals of a strain as a coordinate: less is rounding
 SMALL_MISMATCH = 1e-3  # of the peak force: smaller differences of layers are not mentioned
 # Heads of a history and names in its dataset; those of layers are after them.
 HEADS = {
@@ -157,6 +165,8 @@ class Result(DatasetResult):
         short = {"ambient_degC": "ambient", "amplitude_strain": "strain"}
         attributes = {short.get(n, n): column_quantity(n).attributes for n in map(str, self.cycles)}
         table, labels = self.cycles.rename(columns=short), ["ambient", "strain", "cycle"]
+        # Bearings of other thickness have the strain of a test but for rounding: one coordinate.
+        table["strain"] = table["strain"].round(STRAIN_DIGITS)
         recorded = any(segment["kind"] == "recorded" for segment in self.segments)
         if recorded or table.duplicated(labels).any():
             table["number"] = table.groupby("ambient").cumcount() + 1
@@ -394,12 +404,14 @@ class Result(DatasetResult):
         }
 
     def _write(self, folder: Path) -> None:
-        """Write the resolved case, history.csv, result.nc, and comparison.csv with other models."""
+        """Write case, history.csv, result.nc, cycles.csv, and comparison.csv with other models."""
         (folder / RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
         written = self._view("dataset").written_part(self)
         with (folder / HISTORY).open("w", encoding="utf-8") as file:
             file.writelines(_history_blocks(written))
         write_dataset(written.dataset, folder / DATASET)
+        if len(self.cycles):
+            write_csv(folder / VALIDATED_CYCLES, self.cycles)
         if self.compared:
             table = self._view("comparison").comparison_table(self.compared)
             without_formulas(table).to_csv(folder / COMPARISON, index=False)

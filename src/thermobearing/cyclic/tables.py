@@ -15,7 +15,7 @@ from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.validity import VALID_UNTIL, with_invalid_marked
 from thermobearing.report.content import LINE, beyond_mark
 from thermobearing.reported import bearing_check_tables
-from thermobearing.results.metrics import BACKBONE_DEFINITION, CycleMeasures
+from thermobearing.results.metrics import BACKBONE_DEFINITION, THIRD_CYCLE, CycleMeasures
 from thermobearing.results.ranges import MARKED
 from thermobearing.results.selection import layer_groups, layer_names
 
@@ -103,7 +103,7 @@ def largest_cycles(cycles: "pd.DataFrame") -> "pd.DataFrame":
 
 
 def cycles_table(result: Result, *, brief: bool = False) -> Table:
-    """Return the measures of cycles; in brief the first and last cycle of each amplitude.
+    """Return the measures of cycles; in brief the first, third and last of each amplitude.
 
     All cycles of a short test are listed in brief too. Of the layer temperatures, the brief table
     holds only that of the innermost layer.
@@ -111,8 +111,9 @@ def cycles_table(result: Result, *, brief: bool = False) -> Table:
     cycles, cycles_shown = result.cycles, "each cycle"
     if brief and len(cycles) > MOST_ROWS // 3:
         group = _loadings(cycles)
-        cycles = cycles[(group != group.shift()) | (group != group.shift(-1))].head(MOST_ROWS)
-        cycles_shown = "the first and the last cycle of each amplitude"
+        ends = (group != group.shift()) | (group != group.shift(-1))
+        cycles = cycles[ends | (cycles["cycle"] == THIRD_CYCLE)].head(MOST_ROWS)
+        cycles_shown = "the first, the third and the last cycle of each amplitude"
     area = float(result.dataset.attrs["area_mm2"])
     least = cycles.get("stress_min_MPa", 0.0)  # in a plane there is none
     peak = np.maximum(cycles["stress_max_MPa"], -least) * (area / 1e3)

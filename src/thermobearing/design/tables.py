@@ -203,7 +203,7 @@ def _factors_table(summary: Summary) -> Table:
     rubber = f", rubber {summary['state']}" if summary.get("state") else ""
     caption = (
         f"Temperature factors of {summary['bearing']} over {reference} "
-        f"({summary['motion']}, cycles {summary['cycles']}{rubber})"
+        f"({summary['motion']}, cycles {summary['cycles']}{rubber}){BRACKETS if bands else ''}"
     )
     return Table(caption, columns, cells, 4, frozenset(marked), note)
 
@@ -293,6 +293,7 @@ def _cell(row: Mapping[str, Any], name: str = "factor") -> Any:
     return f"{row[name]:.2f} ({low:.2f}–{high:.2f})"
 
 
+BRACKETS = ", in brackets 5 to 95 %"  # in captions
 BAND = "In brackets: 5 to 95 % of {} bearings, the given one and its samples."
 UNCHECKED = "None of these provisions was checked against the text of the code"
 
@@ -351,7 +352,8 @@ def _compared_table(summary: Summary) -> Table:
         notes.append(f"{UNCHECKED}.")
     note = " ".join(notes)
     at = degrees([rows[0]["ambient_degC"]])
-    caption = f"Factors of {summary['bearing']} at {at} compared with codes"
+    brackets = BRACKETS if summary["samples"] > 1 else ""
+    caption = f"Factors of {summary['bearing']} at {at} compared with codes{brackets}"
     return Table(caption, columns, cells, 1, note=note)
 
 

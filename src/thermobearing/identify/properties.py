@@ -28,7 +28,7 @@ from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import degrees, joined, number, percent, printed_unit
-from thermobearing.results.metrics import BACKBONE_DEFINITION
+from thermobearing.results.metrics import BACKBONE_DEFINITION, THIRD_CYCLE
 from thermobearing.results.ranges import MARKED
 
 if TYPE_CHECKING:
@@ -47,7 +47,6 @@ WITHOUT_FIRST = "Mean over the cycles of this amplitude, without the first if th
 DEFINITIONS = f"In test and model, {BACKBONE_DEFINITION}."
 FIRST_CYCLE, LATER_CYCLES = "first of the largest", "mean without the first"  # of a prediction
 HIGH = 0.975  # upper end of a 95 % interval
-THIRD = 3  # cycle of an amplitude that codes take
 AS_IN_THE_TEST = (
     "The amplitudes are in the order of the first test: those before have warmed the rubber, so "
     "that a single amplitude from the soaked state, as of `lambda` and `cyclic`, is stiffer."
@@ -334,11 +333,10 @@ def predicted_cycles_table(posterior: Row) -> Table:
         if first["number"] == 1 or not levels:
             levels.append([])
         levels[-1].append(first)
-    chosen = [
-        row
-        for level in levels
-        for row in {item["number"]: item for item in (*level[:1], *level[:THIRD][-1:])}.values()
-    ]
+    chosen: list[Row] = []
+    for level in levels:
+        third = level[:THIRD_CYCLE][-1]
+        chosen += level[:1] if third is level[0] else [level[0], third]
     columns = [quantity(name) for name in ("ambient_degC", "strain", "cycle")]
     rows: list[list[Any]] = []
     for first in chosen:

@@ -80,7 +80,7 @@ class Intake:
         length = float(self.record.time[-1] - self.record.time[0])
         caption = (
             f"{self.file.name}: {form}, {comma}{self.rows} rows in {blocks}, {length:.4g} s, "
-            f"ambient {'not known' if self.record.unclear else f'{self.record.ambient:.1f} degC'}"
+            f"ambient {'not known' if self.record.unclear else f'{self.record.ambient:.4g} degC'}"
         )
         rows = []
         for column in self.columns:

@@ -47,6 +47,7 @@ BACKBONE_DEFINITION = (
     "Q_d is half the difference of the forces at zero displacement, K_d the slope of loading "
     f"branches from {100.0 * FIT_FROM:.0f} to {100.0 * FIT_TO:.0f} % of the peak"
 )
+THIRD_CYCLE = 3  # of an amplitude, whose properties codes take
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
 
 
