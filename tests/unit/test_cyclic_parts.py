@@ -282,3 +282,22 @@ def test_the_brief_table_has_the_cycles_that_codes_take(tmp_path: Path) -> None:
     assert list(stored) == list(result.cycles)
     assert stored["cycle"].tolist() == [*range(1, 13)] * 2
     assert_allclose(stored["h_eq"], result.cycles["h_eq"], rtol=1e-6)
+
+
+def test_a_recording_and_its_mirror_image_have_the_same_cycles(tmp_path: Path) -> None:
+    """Each cycle has one amplitude, whichever side the recording begins to."""
+    t = np.linspace(0.0, 1.0, 101)
+    levels = [size * np.sin(2.0 * np.pi * t[:-1]) for size in (10.0, 10.0, 25.0, 25.0)]
+    x = np.append(np.concatenate(levels), 0.0)
+    tables = []
+    for side in (1.0, -1.0):
+        path = tmp_path / f"side{side:g}.csv"
+        rows = "".join(f"{0.02 * k},{side * value:.9f}\n" for k, value in enumerate(x))
+        path.write_text(f"time [s],displacement [mm]\n{rows}")
+        test = tb.CyclicTest(steps=[{"step": "recorded", "file": str(path)}])
+        tables.append(tb.run("shen-hdr-specimen", test, ambient=[23.0]).cycles)
+    one, other = tables
+    assert_allclose(one["amplitude_strain"], np.array([10.0, 10.0, 25.0, 25.0]) / 30.0, rtol=1e-3)
+    for name in ("amplitude_strain", "K_eq_kN_mm", "h_eq", "energy_kN_mm"):
+        assert_allclose(other[name], one[name], rtol=tol.LOOP, err_msg=name)
+    assert_allclose(other["stress_max_MPa"], -one["stress_min_MPa"], rtol=tol.LOOP)

@@ -40,6 +40,7 @@ from thermobearing.identify.fit.problem import (
 from thermobearing.identify.fit.start import _with_temperature, loop_start
 from thermobearing.identify.fit.synthetic import generic_start, synthetic_record
 from thermobearing.identify.records.cycles import (
+    Loop,
     compute_measures,
     full_cycles,
     level_amplitudes,
@@ -605,6 +606,15 @@ def test_amplitudes_are_those_between_samples(noise: float) -> None:
     sampled = [cycle.amplitude for cycle in full_cycles(rounded)]
     assert turned_amplitudes(rounded) == sampled
     assert largest_displacement(rounded) == rounded.peak_displacement
+
+
+def test_the_peak_force_of_a_loop_is_that_of_the_larger_side() -> None:
+    test = {"F+": 90.0, "F-": -100.0, "K_eq": 5.0, "h_eq": 0.2, "energy": 10.0}
+    model = test | {"F+": 110.0, "F-": -80.0}
+    loop = Loop(0, 9, 1, 1, 20.0, 20.0, -20.0, test, model, (30.0, 31.0))
+    assert loop.errors["force_max_error"] == pytest.approx(0.1)
+    assert loop.model_measures["force"] == 110.0
+    assert loop.model_measures["Q_d"] == 31.0
 
 
 def test_samples_that_do_not_resolve_a_turn_are_named() -> None:

@@ -272,7 +272,11 @@ def _certified_warnings(warnings: Sequence[str]) -> list[str]:
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
     shortened = sum(short != text for short, text in zip(shown, texts, strict=True))
-    rest += [f"the full text of {'this' if len(shown) == 1 else 'these'}"] if shortened else []
+    rest += (
+        [f"the full text of {'this warning' if len(shown) == 1 else 'these warnings'}"]
+        if shortened
+        else []
+    )
     return [*shown, f"The file report.html has {joined(rest)}."] if rest else shown
 
 

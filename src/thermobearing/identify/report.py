@@ -302,7 +302,10 @@ def cycles_table(cycles: "pd.DataFrame") -> Table:
         names += [f"{name}_test", f"{name}_model", f"{name}_error"]
     names += ["F+_test", "F+_model", "F-_test", "F-_model"]
     remaining = len(cycles) - len(frame)
-    note = "K_eq and h_eq follow Eq. 3.1 and 3.2. The displacement is half the range of a cycle; "
+    note = (
+        "K_eq and h_eq follow Eq. 3.1 and 3.2. The displacement is half the range of the samples "
+    )
+    note += "of a cycle, between two of which a motion may turn; "
     note += f"the model follows the measured displacement. {CLOSING}"
     note += f" {remaining} more cycles are in cycles.csv." if remaining else ""
     heads = dict.fromkeys(("K_eq_error", "h_eq_error", "energy_error"), "error")
