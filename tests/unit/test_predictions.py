@@ -24,6 +24,7 @@ from thermobearing.identify.properties import (
     later_cycles,
     later_means,
     predicted_cycles_table,
+    prediction_sentence,
 )
 from thermobearing.identify.records.cycles import (
     compare_loops,
@@ -31,6 +32,7 @@ from thermobearing.identify.records.cycles import (
     largest_measures,
 )
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.report import _contradictions
 from thermobearing.identify.uncertainty.bands import OUTSIDE
 from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
 from thermobearing.identify.uncertainty.groups import chosen_groups
@@ -404,3 +406,27 @@ def test_a_prediction_at_a_temperature_of_the_tests_is_the_cycle_of_the_model_th
         of_properties = compute_measures(comparison.record, comparison.record.force, 1.0, 1.0)
         measured = of_properties[first.cycle - 1]
         assert first.strengths[0] == pytest.approx(measured.characteristic_strength_kN, rel=1e-12)
+
+
+def test_the_sentence_marks_what_is_outside_the_tests() -> None:
+    row = {"quantity": "h_eq", "cycles": "first of the largest", "unit": "", "ambient_degC": -30.0}
+    row |= {"best": 0.2, "lower": 0.19, "upper": 0.21}
+    inside, outside = (
+        prediction_sentence({"predicted": [row | {"beyond_tested": text}]})
+        for text in ("", "ambient")
+    )
+    assert "h_eq 0.2 (0.19 to 0.21)" in inside
+    assert ("extrapolated" in inside, "extrapolated" in outside) == (False, True)
+
+
+def test_the_report_names_what_is_contradicted_and_what_a_cause_imitates() -> None:
+    film, scale = (
+        {"name": name, "contradicted": not imitated, "imitated": imitated}
+        for name, imitated in (("film", True), ("scale", False))
+    )
+    assert _contradictions([]) == []
+    (sentence,) = _contradictions([scale])
+    assert "film" not in sentence
+    first, second = _contradictions([film, scale])
+    assert ("scale" in first, "film" in second) == (True, True)
+    assert "scale" not in second
