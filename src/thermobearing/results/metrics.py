@@ -261,7 +261,7 @@ def measure_history(
     area : gross plan area [mm2].
     total_rubber_thickness : [mm].
     rests : first and last point of each, where they are known: a cycle ends where a rest begins.
-    side : 1.0 or -1.0, to which cycles begin; by default the side to which the history moves first.
+    side : 1.0 or -1.0 [1], to which cycles begin; by default that of the first motion.
 
     Raises
     ------
