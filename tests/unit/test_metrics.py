@@ -178,7 +178,7 @@ def test_a_record_and_its_mirror_image_have_the_same_cycles(given: bool) -> None
             displacement_min_mm=-mirror.displacement_max_mm,
         )
         assert_allclose(astuple(swapped), astuple(cycle), rtol=tol.LOOP)
-    found, found_mirrored = (metrics.found_cycles(side * d, **known) for side in (1.0, -1.0))
+    found, found_mirrored = (metrics.cut_cycles(side * d, **known) for side in (1.0, -1.0))
     assert [replace(cycle, side=1.0) for cycle in found_mirrored] == found
 
 
@@ -263,13 +263,13 @@ def test_strength_of_cycles_before_a_rest(
     cycles = tb.measure_history(d, f, area=AREA, total_rubber_thickness=RUBBER, rests=known)
     strengths = [cycle.characteristic_strength_kN for cycle in cycles]
     assert_allclose(strengths, 30.0, rtol=tol.FORCE_AT_A_REST)
-    ends = [cycle.ends for cycle in metrics.found_cycles(d, rests=known)]
+    ends = [cycle.ends for cycle in metrics.cut_cycles(d, rests=known)]
     assert level or ends == (["rest"] * 3 if given or gap > 2 else ["closed"] * 3)
 
 
 def test_a_cycle_that_does_not_close_is_reported_apart() -> None:
     d, _ = bilinear(60.0, 30.0, 12.0, 2.0)
-    found = metrics.found_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
+    found = metrics.cut_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
     assert [cycle.ends for cycle in found] == ["closed", "incomplete"]
 
 

@@ -18,10 +18,10 @@ from thermobearing.quantities.validity import VALID_UNTIL
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.directory import (
     COMPARISON,
+    CYCLE_TABLE,
     DATASET,
     HISTORY,
     RESOLVED,
-    VALIDATED_CYCLES,
 )
 from thermobearing.results.metrics import (
     BALANCE,
@@ -411,7 +411,7 @@ class Result(DatasetResult):
             file.writelines(_history_blocks(written))
         write_dataset(written.dataset, folder / DATASET)
         if len(self.cycles):
-            write_csv(folder / VALIDATED_CYCLES, self.cycles)
+            write_csv(folder / CYCLE_TABLE, self.cycles)
         if self.compared:
             table = self._view("comparison").comparison_table(self.compared)
             without_formulas(table).to_csv(folder / COMPARISON, index=False)

@@ -35,13 +35,13 @@ from thermobearing.quantities.words import percent
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import (
     COMPOUND,
+    CYCLE_TABLE,
     FIT_TABLE,
     IDENTIFIED,
     INPUT_DIGESTS,
     PREDICTED,
     SAMPLES,
     THERMOCOUPLES,
-    VALIDATED_CYCLES,
 )
 from thermobearing.results.ranges import names_by_sentence
 from thermobearing.results.writing import without_formulas, write_csv
@@ -374,7 +374,7 @@ class Identification(Result):
         fit = without_formulas(_fit_table(self))
         fit.to_csv(folder / FIT_TABLE, index=False, float_format="%.9g", lineterminator="\n")
         if len(self.cycles):
-            write_csv(folder / VALIDATED_CYCLES, self.cycles)
+            write_csv(folder / CYCLE_TABLE, self.cycles)
         if rows := self.thermocouples:
             without_formulas(pd.DataFrame(rows)).to_csv(folder / THERMOCOUPLES, index=False)
 

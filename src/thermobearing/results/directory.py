@@ -187,7 +187,7 @@ FIT_TABLE, SAMPLES, SIDECARS = "fit.csv", "posterior.csv", "sidecars"
 MOTION, SPECTRUM, FACTORS, SCALE = "motion.csv", "spectrum.csv", "factors.csv", "scale.csv"
 BOUNDS, BOUNDS_TCL, BOUNDS_PYTHON = "bounds.csv", "bounds.tcl", "bounds.py"
 ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
-TEMPERATURES, VALIDATED_CYCLES = "temperatures.csv", "cycles.csv"
+TEMPERATURES, CYCLE_TABLE = "temperatures.csv", "cycles.csv"
 STATES, VIRGIN = "states.csv", "virgin.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
 PREDICTED = "predicted.csv"  # quantities of each cycle of a predicted test
@@ -249,7 +249,7 @@ RESULT_NAMES = {
     TESTED_RANGE,
     THERMOCOUPLES,
     TITLE,
-    VALIDATED_CYCLES,
+    CYCLE_TABLE,
     VIRGIN,
     WORKBOOK,
     ".DS_Store",

@@ -160,7 +160,7 @@ def first_side(displacement: Floats, smallest: float = 0.02) -> float:
     return 1.0 if len(moved) == 0 or displacement[moved[0]] > 0.0 else -1.0
 
 
-def found_cycles(
+def cut_cycles(
     displacement: Floats,
     *,
     smallest: float = 0.02,
@@ -238,8 +238,8 @@ def _crossing(
 
 
 def find_cycles(displacement: Floats, *, smallest: float = 0.02) -> list[tuple[int, int]]:
-    """Return the first and the last point of each full cycle of a history; see `found_cycles`."""
-    cycles = found_cycles(displacement, smallest=smallest)
+    """Return the first and the last point of each full cycle of a history; see `cut_cycles`."""
+    cycles = cut_cycles(displacement, smallest=smallest)
     return [(cycle.first, cycle.last) for cycle in cycles if cycle.ends != "incomplete"]
 
 
@@ -279,7 +279,7 @@ def measure_history(
     if side not in (None, 1.0, -1.0):
         raise InputError(f"side is {side}: must be 1.0 or -1.0, to which cycles begin")
     cycles = [
-        cycle for cycle in found_cycles(d, rests=rests, side=side) if cycle.ends != "incomplete"
+        cycle for cycle in cut_cycles(d, rests=rests, side=side) if cycle.ends != "incomplete"
     ]
     if not cycles:
         raise InputError("no full cycle (zero, one side, other side, zero) was found")

@@ -26,8 +26,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import counted, joined, percent
 from thermobearing.results.base import COMPLETED, Result
-from thermobearing.results.directory import FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
-from thermobearing.results.directory import VALIDATED_CYCLES as CYCLES
+from thermobearing.results.directory import CYCLE_TABLE, FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
@@ -218,7 +217,7 @@ class Validation(Result):
         }
 
     def _write(self, folder: Path) -> None:
-        tables = {TABLE: self.table, CYCLES: self.cycles, THERMOCOUPLES: self.thermocouples}
+        tables = {TABLE: self.table, CYCLE_TABLE: self.cycles, THERMOCOUPLES: self.thermocouples}
         for name, table in tables.items():
             if len(table) or name != THERMOCOUPLES:
                 without_formulas(table).to_csv(folder / name, index=False)
@@ -404,6 +403,6 @@ class CrossValidation(Result):
         held_out = [item.record for item in self.held_out.comparisons]
         write_digests(folder, [*self.final.records, *held_out])
         write_csv(folder / TABLE, self.table)
-        write_csv(folder / CYCLES, self.judged.cycles)
+        write_csv(folder / CYCLE_TABLE, self.judged.cycles)
         if self.folds:
             write_csv(folder / FOLDS, self.parameters)

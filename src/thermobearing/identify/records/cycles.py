@@ -16,8 +16,8 @@ from thermobearing.results.metrics import (
     CycleMeasures,
     FoundCycle,
     closed_loop,
+    cut_cycles,
     find_largest_loop,
-    found_cycles,
     measure_history,
 )
 
@@ -119,7 +119,7 @@ def full_cycles(record: TestRecord) -> list[Cycle]:
 def _numbered_cycles(record: TestRecord) -> list[tuple[FoundCycle, Cycle]]:
     """Return where each full cycle begins and ends, whether in a rest, and its level."""
     x, cycles = record.displacement, list[tuple[FoundCycle, Cycle]]()
-    places = [place for place in found_cycles(x) if place.ends != "incomplete"]
+    places = [place for place in cut_cycles(x) if place.ends != "incomplete"]
     amplitudes = [0.5 * float(np.ptp(x[ends.first : ends.last + 1])) for ends in places]
     last_amplitude, number = 0.0, 0
     rows = zip(places, amplitudes, closing_cycles(amplitudes), strict=True)

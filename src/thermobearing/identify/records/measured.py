@@ -17,9 +17,9 @@ from thermobearing.identify.records.record import PAUSE, TestRecord, build_recor
 from thermobearing.identify.records.treatment import describe_treatment
 from thermobearing.quantities.words import joined
 from thermobearing.results import drawing
-from thermobearing.results.directory import FIGURES, VALIDATED_CYCLES, write_directory
+from thermobearing.results.directory import CYCLE_TABLE, FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
-from thermobearing.results.metrics import CycleMeasures, found_cycles, measure_history
+from thermobearing.results.metrics import CycleMeasures, cut_cycles, measure_history
 from thermobearing.results.writing import without_formulas, write_summary
 from thermobearing.tables.laboratory import read_laboratory
 
@@ -60,7 +60,7 @@ class MeasuredCycles:
             summary = {"command": "measure", "outcome": "completed", "file": self.record.file}
             cycles = self.table.to_dict("records")
             write_summary(folder, summary | {"notes": list(self.notes), "cycles": cycles})
-            without_formulas(self.table).to_csv(folder / VALIDATED_CYCLES, index=False)
+            without_formulas(self.table).to_csv(folder / CYCLE_TABLE, index=False)
             if figures:
                 with figure_style(figures):
                     drawing.save_figures({"loops": partial(_draw_loops, self)}, folder / FIGURES)
@@ -106,7 +106,7 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
         removed = [f for f in describe_treatment(treatment) if f.level == "note"]
         notes += [f.sentence for f in removed if f.check in ("spikes", "drift")]
     x = record.displacement
-    cycles = found_cycles(x, rests=rests)
+    cycles = cut_cycles(x, rests=rests)
     full = [cycle for cycle in cycles if cycle.ends != "incomplete"]
     ends = [cycle.ends for cycle in full]
     if len(ends) < len(cycles):
