@@ -87,8 +87,8 @@ def make_report(
 ) -> list[Path]:
     """Write report.html and report.pdf of a result into its directory.
 
-    Nothing is run again, but one or two runs of a bridge: those that govern, with rubber in the
-    other state (virgin for tested), for the summary on the first page.
+    Nothing is run again, but a bridge: all motions at the ambient temperatures that govern, with
+    rubber in the other state (virgin for tested), for the summary on the first page.
 
     Parameters
     ----------

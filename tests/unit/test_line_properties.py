@@ -208,9 +208,22 @@ def test_lines_with_the_same_bearing_have_one_loop(name: str, kind: str) -> None
             assert_allclose(group["K_d_kN_mm"], group["K_d_kN_mm"].iloc[0], rtol=0.02)
             ratio = group["K_1_kN_mm"] / group["K_d_kN_mm"]
             assert_allclose(ratio, ratio.iloc[0], rtol=0.02)
-    if kind:
-        ratio = lines["K_1_kN_mm"] / lines["K_d_kN_mm"]
-        assert_allclose(ratio, ratio.iloc[0])
+        else:
+            ratio = group["K_1_kN_mm"] / group["K_d_kN_mm"]
+            assert_allclose(ratio, ratio.iloc[0])
+
+
+def test_a_fat_loop_at_one_temperature_leaves_others_their_ratio() -> None:
+    """A fat loop needs a larger K_1/K_d; links at the other temperature are as without it."""
+    case = {"motion": "jra-ii-i-1", "duration": 15}
+    both = line_properties(tb.bridge(LHDR, ambient=[23.0, -20.0], **case))
+    ratio = (both["K_1_kN_mm"] / both["K_d_kN_mm"]).to_numpy()
+    smaller = int(ratio.argmin())
+    assert ratio.max() > 1.2 * ratio.min()
+    ambient = both["ambient_degC"].iloc[smaller]
+    (alone,) = line_properties(tb.bridge(LHDR, ambient=ambient, **case)).to_dict("records")
+    for name in ("Q_d_kN", "K_d_kN_mm", "K_1_kN_mm"):
+        assert_allclose(both[name].iloc[smaller], alone[name])
 
 
 def test_the_loop_has_peak_and_energy_of_the_bearing(pier: EarthquakeResult) -> None:
@@ -250,7 +263,8 @@ def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
     period = float(np.atleast_1d(result.dataset.attrs["periods_s"])[0])
     moved = rows.loc[HDR, "design_displacement_mm"]
     bearing = exposed(tb.load_bearing(HDR), Exposure(**exposure))
-    states = [(in_state(bearing, RubberState(rubber="virgin")), 1), (bearing, 3)]
+    virgin = in_state(bearing, RubberState(rubber="virgin"))
+    states = [(virgin, 1), (virgin, 3), (bearing, 3)]
     cycles = [
         isothermal_cycle(
             device, moved / device.total_rubber_thickness, 4.0 * moved / period, -20.0, number
@@ -258,15 +272,19 @@ def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
         for device, number in states
     ]
     stiffness = rows.loc[HDR, "K_eff_kN_mm"]
-    assert_allclose(stiffness, cycles[0].stiffness_kN_mm)
-    assert stiffness > 1.3 * cycles[1].stiffness_kN_mm
-    assert_allclose(rows.loc[HDR, "over_scragged"], stiffness / cycles[1].stiffness_kN_mm)
+    # The largest force of the first cycle, with the energy of the third.
+    assert_allclose(stiffness * moved, max(cycles[0].force_max_kN, -cycles[0].force_min_kN))
+    energy = 2.0 * math.pi * rows.loc[HDR, "h_eff"] * stiffness * moved**2
+    assert_allclose(energy, cycles[1].energy_kN_mm)
+    assert cycles[1].energy_kN_mm < 0.9 * cycles[0].energy_kN_mm
+    assert stiffness > 1.3 * cycles[2].stiffness_kN_mm
+    assert_allclose(rows.loc[HDR, "over_scragged"], stiffness / cycles[2].stiffness_kN_mm)
     assert (rows.loc[HDR, "cycle"], rows.loc[HDR, "rubber"]) == (1, "virgin")
-    # The peak force of the run, which warms, is that of the upper values within 5 %.
+    # The peak force of the run, which warms, is that of the upper values within 7 %.
     peak = result.table.set_index("bearing").loc[HDR, "bearing_force_max_kN"]
-    assert_allclose(stiffness * moved, peak, rtol=0.05)
+    assert_allclose(stiffness * moved, peak, rtol=0.07)
     text = _links(result, line_properties(result))
-    assert "first cycle without heating, virgin rubber" in text
+    assert "largest force of the first cycle" in text
     assert f"{rows.loc[HDR, 'over_scragged']:.2f} times" in text
     file = tb.load_bilinear(BILINEAR)
     assert_allclose(rows.loc[BILINEAR, "Q_d_kN"], 1.5 * file.strength)

@@ -1,6 +1,7 @@
 """The bilinear model that is equivalent to a bearing: what design would use instead of it."""
 
 import math
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated
@@ -102,6 +103,26 @@ def isothermal_cycle(
     quantities = history.rows.response[slice(max(rows[0] - 1, 0), rows[-1] + 1)]
     x, force = quantities["displacement"], quantities["force"]
     return measure_cycle(x, force, area=bearing.area, total_rubber_thickness=rubber)
+
+
+def first_loading(
+    bearing: Bearing | str | Path,
+    strain: float,
+    speed: float,
+    temperature: float,
+    lead: float | None = None,
+) -> CycleMeasures:
+    """Return the first cycle with its largest force as stiffness, and with the energy of the third.
+
+    Rubber that is virgin has the additional force of its first loading once, and its additional
+    energy once, while a bilinear loop repeats both: with the energy of the first cycle its damping
+    would lower displacements and forces. Arguments are those of `isothermal_cycle`.
+    """
+    first = isothermal_cycle(bearing, strain, speed, temperature, 1, lead)
+    third = isothermal_cycle(bearing, strain, speed, temperature, CYCLE, lead)
+    largest = max(abs(first.force_max_kN), abs(first.force_min_kN))
+    stiffness = largest / first.amplitude_mm
+    return replace(first, stiffness_kN_mm=stiffness, energy_kN_mm=third.energy_kN_mm)
 
 
 def backbone(

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar, Unpack, get_args
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.bearing.library import as_bearing
 from thermobearing.bearing.model import Bearing
-from thermobearing.bearing.state import RubberState, opposite, scragging_of
+from thermobearing.bearing.state import RubberState, has_excess, opposite, scragging_of
 from thermobearing.bearing.undecided import SMALL_LOOPS, UNDECIDED_OF, alternatives, undecided_of
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
@@ -37,6 +37,7 @@ from thermobearing.model.outcomes import INTERRUPTED
 from thermobearing.motions.pair import MotionPair
 from thermobearing.motions.record import GroundMotion
 from thermobearing.quantities.governing import place_of_largest
+from thermobearing.quantities.validity import stable_rows
 from thermobearing.results.writing import as_attribute
 from thermobearing.structure.model import DampingKind, MassModel, Structure
 from thermobearing.structure.run import Method
@@ -428,32 +429,33 @@ def with_bands(
 FORCE, STRAIN, DUCTILITY = "bearing_force_max_kN", "bearing_strain_max", "pier_ductility"
 
 
-class Rerun(NamedTuple):
-    """A peak of a governing run, and that of the same run with rubber in another state."""
+class OtherPeak(NamedTuple):
+    """The largest value of a peak in an analysis, and with rubber in another state."""
 
     column: str  # of the table of runs
-    run: str  # its name
-    before: float
-    after: float
-    outcome: str  # of the run with the other state
+    place: int  # of its run in the analysis
+    other_place: int  # of the run with the other state that has the largest, among these runs
 
 
 class OtherBound(NamedTuple):
-    """The governing runs of an analysis with rubber in the state of the other bound."""
+    """Runs of an analysis with rubber in the state of the other bound."""
 
     state: RubberState
     assumed: bool  # whether its scragging is that of another compound
-    runs: int  # that were made
-    peaks: list[Rerun]
+    result: EarthquakeResult  # of these runs
+    peaks: list[OtherPeak]
 
 
 def run_other_bound(result: EarthquakeResult) -> OtherBound | None:
-    """Run the governing runs of a bridge again with rubber in the state of the other bound.
+    """Run a bridge again with rubber in the state of the other bound, where that governs.
 
     Virgin rubber is the bound of forces and of the demand on piers, tested rubber that of
     displacements: an analysis of tested rubber gets the largest force and ductility of virgin
-    rubber, any other the largest strain of tested rubber. These are one or two more runs. None for
-    hybrid tests, bilinear bearings and models, and a bearing that an earlier test left.
+    rubber, any other the largest strain of tested rubber. Rubber in another state may have its
+    largest peak in another motion: the runs are those of all layered bearings and motions, at the
+    ambient temperatures of the governing runs and at the coldest (of tested rubber the warmest).
+    None for hybrid tests, bilinear bearings and models, rubber that is as stiff while virgin, and
+    a bearing that an earlier test left.
     """
     table = tomllib.loads(result.dataset.attrs["case"])
     if table["command"] != "bridge" or "initial_state" in table:
@@ -463,34 +465,32 @@ def run_other_bound(result: EarthquakeResult) -> OtherBound | None:
     layered = result.table["bearing"].isin(list(bearings))
     if case.analysis.model == "bilinear" or not layered.any():
         return None
-    motions = dict(zip(dict.fromkeys(result["motion"].values.tolist()), case.motions, strict=False))
-    state = opposite(case.analysis.state, bearings[str(result.table["bearing"][layered].iloc[0])])
-    reruns: dict[tuple[str, str, float], EarthquakeResult] = {}
-    peaks = []
-    for column in (FORCE, DUCTILITY) if state.share else (STRAIN,):
-        candidates = result.table[layered & result.table[column].notna()]
-        if candidates.empty:
-            continue
-        place = int(candidates.index[place_of_largest(candidates[column])])
-        row: dict[Any, Any] = candidates.loc[place].to_dict()
-        key = (str(row["bearing"]), str(row["motion"]), float(row["ambient_degC"]))
-        # Force and ductility may be governed by the same run, which is then made once.
-        if key not in reruns:
-            update: dict[str, Any] = {"bearings": [bearings[key[0]]], "motions": [motions[key[1]]]}
-            update["ambient"] = [key[2]]
-            reruns[key] = run_earthquake(case.model_copy(update=update).with_state(state))
-        rerun = reruns[key]
-        peaks.append(
-            Rerun(
-                column,
-                run=result.run_names[place],
-                before=float(row[column]),
-                after=float(rerun.table[column].max()),
-                outcome=rerun.outcome,
-            )
-        )
-    unknown = any(scragging_of(bearings[name])[1] for name, _, _ in reruns)
-    return OtherBound(state, state.share > 0.0 and unknown, len(reruns), peaks)
+    devices = [*bearings.values(), *(item.bearing for item in case.lines)]
+    stiffer = [device for device in devices if isinstance(device, Bearing) and has_excess(device)]
+    if not stiffer:
+        return None
+    state = opposite(case.analysis.state, stiffer[0])
+    places = {
+        column: int(rows.index[place_of_largest(rows[column])])
+        for column in ((FORCE, DUCTILITY) if state.share else (STRAIN,))
+        if len(rows := stable_rows(result.table[layered & result.table[column].notna()]))
+    }
+    if not places:
+        return None
+    update: dict[str, Any] = {"bearings": list(bearings.values())}
+    if case.weather is None:
+        outermost = min(case.ambient) if state.share else max(case.ambient)
+        governing = {float(result.table["ambient_degC"][place]) for place in places.values()}
+        chosen = governing | {outermost}
+        update["ambient"] = [ambient for ambient in case.ambient if ambient in chosen]
+    other = run_earthquake(case.model_copy(update=update).with_state(state))
+    peaks = [
+        OtherPeak(column, place, int(rows.index[place_of_largest(rows[column])]))
+        for column, place in places.items()
+        if len(rows := stable_rows(other.table[other.table[column].notna()]))
+    ]
+    assumed = state.share > 0.0 and any(scragging_of(device)[1] for device in stiffer)
+    return OtherBound(state, assumed, other, peaks)
 
 
 def _warm_bearings(case: EarthquakeCase) -> list[Bearing]:

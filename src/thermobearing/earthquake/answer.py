@@ -13,7 +13,13 @@ from thermobearing.bearing.sources import STIFFNESS, STRENGTH, assumed_clause
 from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.units import parse_quantity
-from thermobearing.earthquake.analysis import DUCTILITY, FORCE, STRAIN, run_other_bound
+from thermobearing.earthquake.analysis import (
+    DUCTILITY,
+    FORCE,
+    STRAIN,
+    OtherBound,
+    run_other_bound,
+)
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
 from thermobearing.earthquake.properties.notes import bearing_sources, temperature_note
@@ -45,8 +51,11 @@ NOT_MEASURED = {
 }
 
 
-def main_results(result: EarthquakeResult) -> list[str]:
-    """Return the effect of the cold, whether piers yield, and what governs; an early end first."""
+def main_results(result: EarthquakeResult, bound: OtherBound | str | None = None) -> list[str]:
+    """Return the effect of the cold, whether piers yield, and what governs; an early end first.
+
+    `bound` are the runs with rubber in the other state (`find_other_bound`).
+    """
     if not result.runs:
         return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
     cold = _cold(result)
@@ -54,9 +63,18 @@ def main_results(result: EarthquakeResult) -> list[str]:
     answer = [*_early_end_sentences(result), cold, note, _yielding(result), _governing(result)]
     if not cold:
         answer.append(_heating(result))
-    answer.append(_other_bound(result))
+    if bound is not None:
+        answer.append(bound if isinstance(bound, str) else _other_bound(result, bound))
     answer.append(strength_note(tomllib.loads(str(result.dataset.attrs["case"]))))
     return [sentence for sentence in answer if sentence]
+
+
+def find_other_bound(result: EarthquakeResult) -> OtherBound | str | None:
+    """Return the runs with rubber in the other state (`run_other_bound`), or why there are none."""
+    try:
+        return run_other_bound(result) if result.runs else None
+    except InputError as error:  # such as a record that is not there any more
+        return f"The other state of the rubber was not computed: {tidy(error.problems[0])}"
 
 
 def strength_note(case: Mapping[str, Any]) -> str:
@@ -334,26 +352,42 @@ OTHER_PEAKS = {  # of the other state of the rubber: words, factor, unit and col
 }
 
 
-def _other_bound(result: EarthquakeResult) -> str:
-    """Return the governing runs with rubber in the state of the other bound, as a sentence."""
-    try:
-        bound = run_other_bound(result)
-    except InputError as error:  # such as a record that is not there any more
-        return f"The other state of the rubber was not computed: {tidy(error.problems[0])}"
-    if bound is None or not bound.peaks:
-        return ""
+def _other_bound(result: EarthquakeResult, bound: OtherBound) -> str:
+    """Return the largest peaks with rubber in the state of the other bound, as a sentence."""
     phrases = []
     for peak in bound.peaks:
         peak_name, factor, unit, part = OTHER_PEAKS[peak.column]
-        place = _place_in_words(result, result.run_names.index(peak.run), part)
-        before, after = number(factor * peak.before), number(factor * peak.after)
+        before, after = (
+            number(factor * float(table[peak.column][place]))
+            for table, place in (
+                (result.table, peak.place),
+                (bound.result.table, peak.other_place),
+            )
+        )
+        place = _place_in_words(result, peak.place, part)
+        other_place = _place_in_words(bound.result, peak.other_place, part)
+        outcome = str(bound.result.table["outcome"][peak.other_place])
+        ending = "" if outcome == COMPLETED else f", {outcome.replace('_', ' ')}"
+        source = "" if place == other_place else f" ({place})"
         after_with_unit = f"{after} {unit}".strip()
-        ending = "" if peak.outcome == COMPLETED else f", {peak.outcome.replace('_', ' ')}"
-        phrases.append(f"{peak_name} is {after_with_unit} instead of {before} ({place}{ending})")
+        phrases.append(
+            f"{peak_name} is {after_with_unit} ({other_place}{ending}) instead of {before}{source}"
+        )
+    if not phrases:
+        return ""
     unknown = ", whose scragging is assumed," if bound.assumed else ""
-    extra_runs = counted(bound.runs, "more run")
-    changes = f"{joined(phrases)}; {extra_runs} of the analysis."
+    changes = f"{joined(phrases)}; {_other_runs(bound.result)}."
     return f"With {bound.state.rubber} rubber{unknown} {changes}"
+
+
+def _other_runs(other: EarthquakeResult) -> str:
+    """Return how many more runs of an analysis were made, and of what."""
+    motions = other.table["motion"].nunique()
+    motion_words = "all motions" if motions > 1 else "the motion"
+    ambients = list(dict.fromkeys(other.table["ambient_degC"]))
+    return (
+        f"{counted(other.runs, 'more run')} of the analysis, {motion_words} at {degrees(ambients)}"
+    )
 
 
 def _heating(result: EarthquakeResult) -> str:

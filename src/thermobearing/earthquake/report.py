@@ -16,6 +16,7 @@ from thermobearing.border.units import with_unit
 from thermobearing.cyclic.report import rig_table
 from thermobearing.earthquake.answer import (
     Shown,
+    find_other_bound,
     governing_lines,
     governing_pier,
     largest_place,
@@ -281,12 +282,13 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     case = tomllib.loads(attrs["case"])
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
+    bound = find_other_bound(result)
     properties, files = property_tables(result) if command == "bridge" else ({}, {})
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
         _question(result, case),
-        main_results(result),
+        main_results(result, bound),
         judged=result.runs > 0,
         inputs=_input_tables(result, case),
         tables={**(result.tables() if result.runs else {}), **properties},

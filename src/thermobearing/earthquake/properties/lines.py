@@ -2,7 +2,8 @@
 
 The third cycle of a bearing that does not warm, at the design displacement of its line and the
 ambient temperature, gives effective stiffness, damping and the bilinear loop of the same peak force
-and energy. Virgin rubber has its largest force in the first cycle, which gives the upper values.
+and energy. Upper values of virgin rubber have the largest force of the first cycle, and the energy
+of the third (`first_loading`).
 """
 
 import math
@@ -30,6 +31,7 @@ from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.equivalent import (
     CYCLE,
     find_backbone,
+    first_loading,
     isothermal_cycle,
     solve_backbone,
 )
@@ -77,18 +79,19 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         [mm] and the motion that it is of (`design_displacement_of`), effective stiffness [kN/mm]
         and damping ratio, and Q_d [kN], K_d and K_1 [kN/mm] of the bilinear loop with the same peak
         force and energy; `kind` of the bearing, empty where its own K_1 is stated. All lines of a
-        bearing have one K_1/K_d. `K_0_kN_mm` is the initial stiffness of the model, its tangent
-        without displacement. `D_y_mm` is the yield displacement of the loop [mm], beyond the design
-        displacement of a bearing that does not yield; without a loop in which a yield can be found,
-        it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at the coldest temperature of
-        rubber with virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of
-        the third cycle of scragged rubber, `excess` whether the rubber is stiffer while virgin, and
-        `assumed` the keys of the bearing file on which the properties rest and which were not
-        measured; `outside_law_K` is how far the temperature is above (or, negative, below) the
-        range `law` of the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`,
-        `h_eff_heated` and `Q_d_heated_kN` are those with the lead at its highest temperature in the
-        runs, `lead_degC`. `secant_kN_mm` is the largest force over the largest displacement of the
-        run `secant_of` where that is most. Lines that do not move are left out.
+        bearing at a temperature have one K_1/K_d. `K_0_kN_mm` is the initial stiffness of the
+        model, its tangent without displacement. `D_y_mm` is the yield displacement of the loop
+        [mm], beyond the design displacement of a bearing that does not yield; without a loop in
+        which a yield can be found, it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at
+        the coldest temperature of rubber with virgin excess, whose state is `rubber`.
+        `over_scragged` is K_eff over that of the third cycle of scragged rubber, `excess` whether
+        the rubber is stiffer while virgin, and `assumed` the keys of the bearing file on which the
+        properties rest and which were not measured; `outside_law_K` is how far the temperature is
+        above (or, negative, below) the range `law` of the temperature law of the rubber [degC].
+        `K_eff_heated_kN_mm`, `h_eff_heated` and `Q_d_heated_kN` are those with the lead at its
+        highest temperature in the runs, `lead_degC`. `secant_kN_mm` is the largest force over the
+        largest displacement of the run `secant_of` where that is most. Lines that do not move are
+        left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
@@ -205,12 +208,14 @@ def _with_one_ratio(lines: "pd.DataFrame") -> "pd.DataFrame":
     """Return lines of which those with the same bearing have the largest assumed K_1/K_d of them.
 
     A fat loop needs a larger ratio than that of the kind; lines with other displacements would
-    otherwise have other ratios, and other Q_d and K_d.
+    otherwise have other ratios, and other Q_d and K_d. Each temperature has its own ratio: with
+    that of a fatter loop in the cold, links of the warm bearing give too small displacements.
     """
     if not len(lines):
         return lines
     assumed = lines[lines["kind"] != ""]
-    for _, group in assumed.groupby(["bearing", "line_bearing"], sort=False):
+    keys = ["bearing", "line_bearing", "ambient_degC"]
+    for _, group in assumed.groupby(keys, sort=False):
         smallest = float((group["K_d_kN_mm"] / group["K_1_kN_mm"]).min())
         for index, row in zip(group.index, group.to_dict("records"), strict=True):
             loop = solve_backbone(
@@ -296,7 +301,8 @@ def _properties(
         speed = 4.0 * displacement / period  # a cycle covers four times its amplitude
         if upper and device.scragging is not None and has_excess(device):
             cycle_number = FIRST
-        cycle = isothermal_cycle(device, strain, speed, temperature, cycle_number)
+        measure = first_loading if cycle_number == FIRST else isothermal_cycle
+        cycle = measure(device, strain, speed, temperature)
         stiffness, energy = cycle.stiffness_kN_mm, cycle.energy_kN_mm
         loop, is_stated = find_backbone(device, cycle, displacement, speed, temperature)
         kind = "" if is_stated or loop is None else device.kind
@@ -306,7 +312,7 @@ def _properties(
                 third = isothermal_cycle(scragged, strain, speed, temperature)
                 over_scragged = stiffness / third.stiffness_kN_mm
         if lead is not None:
-            with_lead = isothermal_cycle(device, strain, speed, temperature, cycle_number, lead)
+            with_lead = measure(device, strain, speed, temperature, lead=lead)
             warm = find_backbone(device, with_lead, displacement, speed, temperature, lead)
             heated = _heated(cycle, loop, with_lead, warm, displacement)
         constants = build_model(device, ModelOptions()).constants

@@ -97,8 +97,10 @@ def cycle_note(row: Mapping[Any, Any]) -> str:
     """Return the cycle and the state of the rubber that a line stands for; empty if bilinear."""
     if not row["rubber"]:
         return ""
-    cycle = "first" if row["cycle"] == FIRST else "third"
-    text = f"{cycle} cycle without heating, {row['rubber']} rubber"
+    cycle = "third cycle"
+    if row["cycle"] == FIRST:
+        cycle = "largest force of the first cycle and energy of the third"
+    text = f"{cycle} without heating, {row['rubber']} rubber"
     if row["rubber"] == SCRAGGED:
         return text
     factor = f"{row['over_scragged']:.2f}"
