@@ -30,6 +30,7 @@ from thermobearing.results.directory import (
     CERTIFICATE_HTML,
     CERTIFICATE_PDF,
     COMPARISON,
+    LINK_TRIALS,
     LINKS,
     LOGO,
     MODES_FILE,
@@ -47,7 +48,7 @@ if TYPE_CHECKING:
     from thermobearing.loading import AnyResult
 
 DOCUMENTS = (REPORT_HTML, REPORT_PDF, WORKBOOK, CERTIFICATE_HTML, CERTIFICATE_PDF)
-WRITTEN = (*DOCUMENTS, TITLE, LOGO, PROPERTIES, LINKS, MODES_FILE)
+WRITTEN = (*DOCUMENTS, TITLE, LOGO, PROPERTIES, LINKS, LINK_TRIALS, MODES_FILE)
 # Packages whose `report.py` gives the content of the document of a command.
 PACKAGES = {
     "cyclic": "cyclic",

@@ -14,6 +14,7 @@ from thermobearing import reported
 from thermobearing.border.schema import validated
 from thermobearing.border.units import with_unit
 from thermobearing.cyclic.report import rig_table
+from thermobearing.earthquake.analysis import OtherBound
 from thermobearing.earthquake.answer import (
     Shown,
     find_other_bound,
@@ -283,7 +284,8 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
     bound = find_other_bound(result)
-    properties, files = property_tables(result) if command == "bridge" else ({}, {})
+    other = bound.result if isinstance(bound, OtherBound) else None
+    properties, files = property_tables(result, other) if command == "bridge" else ({}, {})
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",

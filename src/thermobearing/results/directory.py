@@ -196,6 +196,7 @@ REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
 CERTIFICATE_HTML, CERTIFICATE_PDF = "certificate.html", "certificate.pdf"
 TITLE, LOGO, QUOFEM = "report.toml", "report-logo", "quofem"
 PROPERTIES, LINKS, MODES_FILE = "properties.csv", "links.txt", "modes.csv"
+LINK_TRIALS = "links.csv"
 # All files that commands write into a result directory; nothing else is ever deleted.
 RESULT_NAMES = {
     AXIAL,
@@ -222,6 +223,7 @@ RESULT_NAMES = {
     INPUT_DIGESTS,
     LINES,
     LINKS,
+    LINK_TRIALS,
     LOGO,
     MODES,
     MOTION,

@@ -46,7 +46,7 @@ def damping_factor() -> DampingFactor:
 
 
 def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.DataFrame":
-    """Return effective period [s], damping ratio and damping factor B_L, by ambient temperature.
+    """Return effective period [s], damping ratio and B_L by state of the rubber and temperature.
 
     `lines` are those of `line_properties`. The period is that of the first mode with the effective
     stiffness of all lines, the ratio that of the bearings (`bearing_damping_ratio`) times their
@@ -60,7 +60,8 @@ def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.
     prepared = _prepared_structure(result)
     structure, matrices = prepared.structure, prepared.matrices
     rows = []
-    for key, group in lines.groupby(["bearing", "ambient_degC"], sort=False):
+    keys = ["bearing", "state", "ambient_degC"]
+    for key, group in lines.groupby(keys, sort=False):
         stiffness = dict(zip(group["line"], group["K_eff_kN_mm"], strict=True))
         # Lines that do not move have no row: they keep the equivalent stiffness of their input.
         stiffnesses = [
@@ -78,7 +79,7 @@ def bridge_properties(result: "EarthquakeResult", lines: "pd.DataFrame") -> "pd.
         )
         ratio = bearing_ratio * share
         rows.append(
-            dict(zip(("bearing", "ambient_degC"), key, strict=True))
+            dict(zip(keys, key, strict=True))
             | {
                 "effective_period_s": float(2.0 * math.pi / modes.frequencies[0]),
                 "bearing_damping_ratio": bearing_ratio,

@@ -8,7 +8,7 @@ of the third (`first_loading`).
 
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.border.library import data_path
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import read_toml
+from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import (
     CYCLE,
     find_backbone,
@@ -64,6 +65,24 @@ def motions_for_mean() -> int:
     return int(next(rule["least"] for rule in rules if rule["name"] == MEAN_RULE))
 
 
+def design_peak(peaks: Floats) -> float:
+    """Return the design value of the peaks of motions: their mean, of fewer than seven the largest.
+
+    >>> design_peak(np.array([1.0, 3.0]))
+    3.0
+    """
+    return float(peaks.mean() if len(peaks) >= motions_for_mean() else peaks.max())
+
+
+def analysed_state(
+    options: EarthquakeAnalysis, devices: Iterable[Bearing | BilinearBearing]
+) -> str:
+    """Return the state of the rubber of an analysis in words; of a file with virgin rubber that."""
+    layered = [device for device in devices if isinstance(device, Bearing)]
+    rubbers = [_rubber(in_state(device, options.state), options.state) for device in layered]
+    return next((rubber for rubber in rubbers if rubber != SCRAGGED), SCRAGGED)
+
+
 def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return the equivalent properties of one bearing of each line, by ambient temperature.
 
@@ -82,31 +101,32 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         bearing at a temperature have one K_1/K_d. `K_0_kN_mm` is the initial stiffness of the
         model, its tangent without displacement. `D_y_mm` is the yield displacement of the loop
         [mm], beyond the design displacement of a bearing that does not yield; without a loop in
-        which a yield can be found, it, Q_d, K_d and K_1 are NaN. `cycle` is the third; the first at
-        the coldest temperature of rubber with virgin excess, whose state is `rubber`.
-        `over_scragged` is K_eff over that of the third cycle of scragged rubber, `excess` whether
-        the rubber is stiffer while virgin, and `assumed` the keys of the bearing file on which the
-        properties rest and which were not measured; `outside_law_K` is how far the temperature is
-        above (or, negative, below) the range `law` of the temperature law of the rubber [degC].
-        `K_eff_heated_kN_mm`, `h_eff_heated` and `Q_d_heated_kN` are those with the lead at its
-        highest temperature in the runs, `lead_degC`. `secant_kN_mm` is the largest force over the
-        largest displacement of the run `secant_of` where that is most. Lines that do not move are
-        left out.
+        which a yield can be found, it, Q_d, K_d and K_1 are NaN. `state` is that of the rubber in
+        the analysis. `cycle` is the third; the first at the coldest temperature of rubber with
+        virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of the third
+        cycle of scragged rubber, `excess` whether the rubber is stiffer while virgin, and `assumed`
+        the keys of the bearing file on which the properties rest and which were not measured;
+        `outside_law_K` is how far the temperature is above (or, negative, below) the range `law` of
+        the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`, `h_eff_heated` and
+        `Q_d_heated_kN` are those with the lead at its highest temperature in the runs, `lead_degC`.
+        `secant_kN_mm` is the largest force over the largest displacement of the run `secant_of`
+        where that is most. Lines that do not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
-    devices = {str(table["name"]): _device(table) for table in list_bearing_tables(case)}
+    devices = {str(table["name"]): load_device(table) for table in list_bearing_tables(case)}
     options = validated(EarthquakeAnalysis, case["analysis"], "analysis")
     states = {
         str(table["line"]): validated(OnLine, dict(table), "lines").state
         for table in case.get("lines", [])
     }
     period = float(np.atleast_1d(result.dataset.attrs["periods_s"])[0])
+    analysis_state = analysed_state(options, devices.values())
     rows = []
-    lines = _moved_lines(result, case["structure"], devices)
+    lines = moved_lines(result, case["structure"], devices)
     for key, group in lines.groupby(["bearing", "line", "ambient_degC"], sort=False):
         peaks = group["displacement_max_mm"].to_numpy(dtype=float)
         has_mean = len(peaks) >= motions_for_mean()
-        displacement = float(peaks.mean() if has_mean else peaks.max())
+        displacement = design_peak(peaks)
         governing = str(group["motion"].iloc[place_of_largest(peaks)])
         source = f"mean of {len(peaks)} motions" if has_mean else f"largest, in {governing}"
         state = states.get(str(key[1])) or options.state
@@ -117,6 +137,7 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
             continue
         temperature = float(group["line_ambient_degC"].iloc[0])
         labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
+        labels["state"] = analysis_state
         line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
         line |= {"design_displacement_of": source}
         lead = float(group["lead_max_degC"].max())
@@ -229,7 +250,7 @@ def _with_one_ratio(lines: "pd.DataFrame") -> "pd.DataFrame":
     return lines
 
 
-def _device(table: Mapping[str, Any]) -> Bearing | BilinearBearing:
+def load_device(table: Mapping[str, Any]) -> Bearing | BilinearBearing:
     """Return a bearing of a resolved case."""
     name = str(table["name"])
     if table.get("kind") == "bilinear":
@@ -246,7 +267,7 @@ def _as_run(
     return in_state(exposed(device, options.exposure), state)
 
 
-def _moved_lines(
+def moved_lines(
     result: "EarthquakeResult",
     structure: Mapping[str, Any],
     devices: Mapping[str, Bearing | BilinearBearing],

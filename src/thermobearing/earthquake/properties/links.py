@@ -17,6 +17,7 @@ from thermobearing.earthquake.properties.notes import (
     SCRAGGED,
     assumed_in_file,
     beyond_note,
+    bound_note,
     cold_lead_note,
     cycle_note,
     elastic_note,
@@ -24,10 +25,19 @@ from thermobearing.earthquake.properties.notes import (
     heated_lead_note,
     initial_stiffness_note,
     is_extrapolated,
+    is_lower,
+    is_upper,
     secant_note,
+    with_bounds,
+)
+from thermobearing.earthquake.properties.trials import (
+    PEAKS,
+    Trials,
+    shortfall_note,
+    trial_columns,
 )
 from thermobearing.model.earlier import BilinearParameters
-from thermobearing.quantities.words import joined
+from thermobearing.quantities.words import counted, joined
 from thermobearing.structure.connections.model import DeviceTable
 
 LINK_WIDTH = 79  # letters of a line of links.txt
@@ -36,6 +46,8 @@ LINK_NOTES = (
     "The effective damping is the coefficient of a dashpot, C = h K_eff T_eff/pi, with the "
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
     "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
+    "bounds.csv of lambda has other loops: of one bearing at the strain of a test, its softest "
+    "heated and its stiffest first cycle; these links are of the displacements of the bridge.",
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured, or on a "
     "temperature outside the tests of the rubber.",
 )
@@ -57,7 +69,10 @@ LOWER_NOTE = (
 
 
 def link_text(
-    lines: "pd.DataFrame", bridges: "pd.DataFrame", devices: Sequence[DeviceTable] = ()
+    lines: "pd.DataFrame",
+    bridges: "pd.DataFrame",
+    devices: Sequence[DeviceTable] = (),
+    trials: Trials | None = None,
 ) -> str:
     """Return the properties as link elements of other programs take them, in kN and m.
 
@@ -65,44 +80,94 @@ def link_text(
     general link of type "Lead Rubber Bearing Isolator", directions y and z. The yield strength is
     Q_d K_1/(K_1 - K_d), the effective damping h_eff K_eff T_eff/pi with the effective period of the
     bridge. `bridges` are those of `bridge_properties`, `devices` those of the structure, parallel
-    to its bearings.
+    to its bearings. `lines` may be of several states of the rubber; `trials` are the peaks of the
+    bridge with these links.
     """
+    lines = with_bounds(lines)
     text = [
         "Properties of one bearing in kN and m, at its design displacement and temperature.",
         "SAP2000, CSiBridge: link Rubber Isolator, U2 and U3. midas Civil: general link",
-        "Lead Rubber Bearing Isolator, y and z. Coldest: upper values. Warmest: lower values.",
+        "Lead Rubber Bearing Isolator, y and z. A model has all upper or all lower values.",
         "All without heating: a bearing that warms in an earthquake is softer. Lines with",
-        "lead have a second block at the warmest ambient, with the lead as warm as in the",
+        "lead have a second block of lower values, with the lead as warm as in the",
         "runs and T_eff without heating.",
     ]
-    for note in (*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)):
+    notes = [*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)]
+    for note in [*notes, trials_note(trials) if trials else ""]:
         text += textwrap.wrap(note, LINK_WIDTH)
-    periods = bridges.set_index(["bearing", "ambient_degC"])["effective_period_s"]
+    periods = bridges.set_index(["bearing", "state", "ambient_degC"])["effective_period_s"]
     for row in lines.to_dict("records"):
-        period = float(periods.loc[row["bearing"], row["ambient_degC"]])
+        period = float(periods.loc[row["bearing"], row["state"], row["ambient_degC"]])
         text.append(
             f"\n{row['line']}: {row['count']} bearings {row['line_bearing']} at "
             f"{row['ambient_degC']:g} degC"
         )
-        upper = row["ambient_degC"] == lines["ambient_degC"].min()
         keys = ", ".join(assumed_in_file(row))
         assumed = f"assumed in the bearing file: {keys}" if keys else ""
-        phrases = [elastic_note(row), cycle_note(row), assumed, beyond_note(row), excess_note(row)]
-        phrases += [cold_lead_note(row), heated_lead_note(row), secant_note(row) if upper else ""]
+        phrases = [
+            bound_note(row, lines),
+            elastic_note(row),
+            cycle_note(row),
+            assumed,
+            beyond_note(row),
+            excess_note(row),
+        ]
+        phrases += [cold_lead_note(row), heated_lead_note(row), secant_note(row) * is_upper(row)]
         for phrase in phrases:
             text += textwrap.wrap(phrase, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
-        text += _link_rows(_link_values(row, period))
-        warmest = row["ambient_degC"] == lines["ambient_degC"].max()
-        if warmest and not math.isnan(row["lead_degC"]):
+        text += _link_rows(_link_values(row, period)) + _trial_rows(trials, row)
+        if is_lower(row) and not math.isnan(row["lead_degC"]):
             lead = f"{row['lead_degC']:.1f} degC, its highest temperature in the runs"
-            text.append(f"  with the lead at {lead}")
+            text += [f"  {bound_note(row, lines, heated=True)}", f"  with the lead at {lead}"]
             # Vertical stiffness and design displacement are those above.
             text += _link_rows(_link_values(_with_heated_lead(row), period)[1:-1])
+        if is_lower(row):
+            text += _trial_rows(trials, row, heated=True)
     if devices:
         text += ["", *textwrap.wrap(DEVICES_NOTE, LINK_WIDTH)]
     for device in devices:
         text += [f"\n{device.title()}", *(_link_row(*constant) for constant in device.constants())]
     return "\n".join(text) + "\n"
+
+
+def trials_note(trials: Trials) -> str:
+    """Return what the peaks with links are, what was run for them, and why some are missing."""
+    reasons = "; ".join(trials.reasons)
+    if not trials.runs:
+        return f"The bridge was not run with these links: {reasons}." if reasons else ""
+    missing = f"; not of all links: {reasons}" if reasons else ""
+    return (
+        "Peaks with links are those of the same bridge and motions with the links of all lines in "
+        "place of the bearings, next to those of the coupled analysis "
+        f"({counted(trials.runs, 'more run')} of the analysis{missing})."
+    )
+
+
+def _trial_rows(
+    trials: Trials | None, row: Mapping[Any, Any], *, heated: bool = False
+) -> list[str]:
+    """Return peaks of a line with its links and of the coupled analysis, as rows of text."""
+    if trials is None or trials.rows.empty:
+        return []
+    rows = trials.rows
+    chosen = rows["lead"] == ("heated" if heated else "")
+    for key in ("bearing", "line", "state", "ambient_degC"):
+        chosen &= rows[key] == row[key]
+    if not chosen.any():
+        return []
+    (peaks,) = rows[chosen].to_dict("records")
+    links = "these links and heated lead" if heated else "these links"
+    text = [f"  the bridge with {links} in place of bearings"]
+    for peak_name, unit in PEAKS.values():
+        with_links, coupled, ratio = (peaks[name] for name in trial_columns(peak_name, unit))
+        scale, metres = (KILO, "m") if unit == "mm" else (1.0, unit.replace("_", " "))
+        if math.isfinite(ratio):
+            other = f"{metres} (coupled {coupled / scale:.5g}, ratio {ratio:.2f})"
+            text.append(
+                _link_row(f"largest {peak_name.replace('_', ' ')}", with_links / scale, other)
+            )
+    note = shortfall_note(rows[chosen])
+    return text + textwrap.wrap(note, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
 
 
 def _link_rows(values: Sequence[tuple[str, float, str]]) -> list[str]:
@@ -146,8 +211,15 @@ def _link_values(row: Mapping[Any, Any], period: float) -> list[tuple[str, float
 
 
 def _state_notes(lines: "pd.DataFrame") -> list[str]:
-    """Return sentences on rubber that is stiffer while virgin, and on lower values of it."""
-    excess, scragged = lines["excess"].astype(bool), lines["rubber"] == SCRAGGED
+    """Return sentences on rubber that is stiffer while virgin, and on lower values of it.
+
+    Of bearings whose other state is among the lines there is none.
+    """
+    scragged = lines["rubber"] == SCRAGGED
+    names_with_both = set(lines.loc[scragged, "line_bearing"]) & set(
+        lines.loc[~scragged, "line_bearing"]
+    )
+    excess = lines["excess"].astype(bool) & ~lines["line_bearing"].isin(names_with_both)
     stiffer, virgin = excess & scragged, excess & ~scragged
     return [
         note.format(names=joined(list(dict.fromkeys(lines.loc[chosen, "line_bearing"])), "and"))

@@ -81,9 +81,8 @@ def initial_stiffness_note(lines: "pd.DataFrame") -> str:
             f"ratio ({'; '.join(larger)})"
         )
     numbers = dict.fromkeys(
-        f"{row['line_bearing']} at {row['ambient_degC']:g} degC: K_1 {row['K_1_kN_mm']:.2f}, K_0 "
-        f"{row['K_0_kN_mm']:.2f} kN/mm"
-        for row in lines.to_dict("records")
+        f"{name}: K_1 {row['K_1_kN_mm']:.2f}, K_0 {row['K_0_kN_mm']:.2f} kN/mm"
+        for name, row in zip(place_names(lines, "degC"), lines.to_dict("records"), strict=True)
         if row["kind"]
     )
     text += (
@@ -91,6 +90,68 @@ def initial_stiffness_note(lines: "pd.DataFrame") -> str:
         f"displacement ({'; '.join(numbers)})"
     )
     return f"{text}. *: not checked against the published text." if star else f"{text}."
+
+
+LOWER, UPPER = "lower", "upper"
+
+
+def with_bounds(lines: "pd.DataFrame") -> "pd.DataFrame":
+    """Return lines with a column `bound`, which bound of an analysis with links each row is.
+
+    "lower" at the warmest temperature in the softest state of the rubber of the bearing, "upper" at
+    the coldest in the stiffest, both in words where these are one, and else "". States other than
+    scragged are stiffer.
+    """
+    ambients = lines["ambient_degC"]
+    states_of = {name: set(group) for name, group in lines.groupby("bearing")["state"]}
+    bounds = []
+    for name, ambient, state in zip(lines["bearing"], ambients, lines["state"], strict=True):
+        states = states_of[name]
+        softest = state == SCRAGGED or SCRAGGED not in states
+        stiffest = state != SCRAGGED or states == {SCRAGGED}
+        names = [LOWER] * bool(ambient == ambients.max() and softest)
+        names += [UPPER] * bool(ambient == ambients.min() and stiffest)
+        bounds.append(joined(names))
+    return lines.assign(bound=bounds)
+
+
+def is_lower(row: Mapping[Any, Any]) -> bool:
+    """Return whether a row of `with_bounds` has lower values."""
+    return LOWER in row["bound"]
+
+
+def is_upper(row: Mapping[Any, Any]) -> bool:
+    """Return whether a row of `with_bounds` has upper values."""
+    return UPPER in row["bound"]
+
+
+def bound_note(row: Mapping[Any, Any], lines: "pd.DataFrame", *, heated: bool = False) -> str:
+    """Return which values a row of some lines has, such as "lower values (warmest)"."""
+    words = [f"{row['rubber']} rubber"] if row["rubber"] else []
+    words += ["first loading"] * (row["cycle"] == FIRST)
+    ambients = lines["ambient_degC"]
+    if ambients.nunique() > 1:
+        words += ["warmest"] * bool(row["ambient_degC"] == ambients.max())
+        words += ["coldest"] * bool(row["ambient_degC"] == ambients.min())
+    words += ["lead heated"] * heated
+    text = ", ".join(words)
+    kind = values_note(row)
+    return f"{kind} ({text})" if kind and text else kind or text
+
+
+def values_note(row: Mapping[Any, Any]) -> str:
+    """Return which values a row has, such as "upper values"; empty if it is no bound."""
+    return f"{row['bound']} values" if row["bound"] else ""
+
+
+def place_names(lines: "pd.DataFrame", degree: str) -> list[str]:
+    """Return bearing and temperature of each line, with its rubber where there are several."""
+    several = lines["state"].nunique() > 1
+    return [
+        f"{row['line_bearing']} at {row['ambient_degC']:g} {degree}"
+        + f", {row['rubber']}" * (several and bool(row["rubber"]))
+        for row in lines.to_dict("records")
+    ]
 
 
 def cycle_note(row: Mapping[Any, Any]) -> str:

@@ -2,6 +2,8 @@
 
 from typing import Any, Final
 
+import numpy as np
+
 from thermobearing.border.lazy import pd
 from thermobearing.earthquake.measures import with_own_bearing
 from thermobearing.earthquake.properties.bridge import (
@@ -12,10 +14,11 @@ from thermobearing.earthquake.properties.bridge import (
     structure_devices,
 )
 from thermobearing.earthquake.properties.lines import line_properties
-from thermobearing.earthquake.properties.links import link_text
+from thermobearing.earthquake.properties.links import link_text, trials_note
 from thermobearing.earthquake.properties.notes import (
     FIRST,
     OTHER_DISPLACEMENTS,
+    SCRAGGED,
     assumed_in_file,
     beyond_note,
     cold_lead_note,
@@ -27,15 +30,25 @@ from thermobearing.earthquake.properties.notes import (
     is_elastic,
     is_extrapolated,
     loop_name,
+    place_names,
+    with_bounds,
+)
+from thermobearing.earthquake.properties.trials import (
+    PEAKS,
+    Trials,
+    shortfall_note,
+    trial_columns,
+    try_links,
 )
 from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
     joined,
     plain,
 )
 from thermobearing.report import content
-from thermobearing.results.directory import LINKS, MODES_FILE, PROPERTIES
+from thermobearing.results.directory import LINK_TRIALS, LINKS, MODES_FILE, PROPERTIES
 from thermobearing.results.ranges import MARKED
 
 DAMPING_RATIOS = ("bearing_damping_ratio", "effective_damping_ratio")
@@ -50,26 +63,91 @@ RESERVATIONS: Final = (  # begin of a sentence, and what describes a row in it
 )
 
 
-def property_tables(result: EarthquakeResult) -> tuple[dict[str, Table], dict[str, bytes]]:
-    """Return the equivalent properties of lines and bridge as tables, and as files."""
-    lines = line_properties(result)
-    if not len(lines):
+def property_tables(
+    result: EarthquakeResult, other: EarthquakeResult | None = None
+) -> tuple[dict[str, Table], dict[str, bytes]]:
+    """Return the equivalent properties of lines and bridge as tables, and as files.
+
+    `other` are runs with rubber in the other state (`run_other_bound`), whose properties at the
+    coldest temperature (of scragged rubber the warmest) are given too.
+    """
+    analysed = line_properties(result)
+    if not len(analysed):
         return {}, {}
-    bridges = bridge_properties(result, lines)
+    results = {str(analysed["state"].iloc[0]): result}
+    parts = [(analysed, bridge_properties(result, analysed))]
+    if other is not None and len(of_other := _outermost(line_properties(other), analysed)):
+        results[str(of_other["state"].iloc[0])] = other
+        parts.append((of_other, bridge_properties(other, of_other)))
+    lines = with_bounds(pd.concat([part[0] for part in parts], ignore_index=True))
+    bridges = pd.concat([part[1] for part in parts], ignore_index=True)
+    trials = try_links(results, lines)
     written = lines.drop(
-        columns=["kind", "excess", "law", "cold_lead", "secant_kN_mm", "secant_of"]
+        columns=["kind", "excess", "law", "cold_lead", "secant_kN_mm", "secant_of", "state"]
     )
     files = {
         PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
-        LINKS: link_text(lines, bridges, structure_devices(result)).encode(),
+        LINKS: link_text(lines, bridges, structure_devices(result), trials).encode(),
     }
-    tables = {"properties": _lines_table(lines), "bridge_properties": _bridge_table(bridges)}
+    tables = {"properties": _lines_table(lines)}
+    if len(trials.rows):
+        tried = trials.rows.drop(columns="state")
+        files[LINK_TRIALS] = with_own_bearing(tried).to_csv(index=False).encode()
+        tables["link_trials"] = _trials_table(trials)
+    tables["bridge_properties"] = _bridge_table(bridges)
     periods, frame = periods_table(
-        result, hysteretic_ratios(result, lines), mode_limit=SHOWN_MODES, lines=lines
+        result, hysteretic_ratios(result, analysed), mode_limit=SHOWN_MODES, lines=analysed
     )
     if len(frame) > SHOWN_MODES:
         files[MODES_FILE] = frame.to_csv(index=False).encode()
     return tables | {"periods": periods}, files
+
+
+def _outermost(lines: "pd.DataFrame", analysed: "pd.DataFrame") -> "pd.DataFrame":
+    """Return lines in the other state at the temperature where they bound the analysed ones."""
+    if not len(lines):
+        return lines
+    ambients = analysed["ambient_degC"]
+    scragged = (lines["state"] == SCRAGGED).all()
+    outermost = float(ambients.max() if scragged else ambients.min())
+    return lines.loc[lines["ambient_degC"] == outermost]
+
+
+def _trials_table(trials: Trials) -> Table:
+    """Return peaks of the bridge with links in place of bearings, and of the coupled analysis."""
+    rows = trials.rows
+    lines = rows.to_dict("records")
+    several = rows["ambient_degC"].nunique() > 1
+    shown = {"values": [row["bound"] + ", lead heated" * bool(row["lead"]) for row in lines]}
+    keys = ["bearing"] if rows["bearing"].nunique() > 1 else []
+    keys += ["line"] + ["line_bearing"] * bool((rows["line_bearing"] != rows["bearing"]).any())
+    keys += ["rubber", "ambient_degC", "values"]
+    columns: list[str | Quantity] = list(keys)
+    for peak_name, unit in PEAKS.values():
+        names = trial_columns(peak_name, unit)
+        shown[peak_name] = [_quotient(*(row[name] for name in names)) for row in lines]
+        head = peak_name.replace("_", " ").capitalize()
+        columns.append(Quantity(head, unit.replace("_", " "), name=peak_name))
+    sentences = [trials_note(trials)]
+    for key, group in rows.groupby(["bearing", "state", "ambient_degC", "lead"], sort=False):
+        if note := shortfall_note(group):
+            head = f"{key[1]} rubber" + f" at {key[2]:g} °C" * several
+            head += ", lead heated" * bool(key[3])
+            sentences.append(f"{head[:1].upper()}{head[1:]}: {note[:1].lower()}{note[1:]}")
+    table = make_table(
+        rows.assign(**shown),
+        columns,
+        "The bridge with links in place of its bearings: with links / coupled analysis = ratio",
+        keys=len(keys),
+        note=plain(" ".join(sentences)),
+        keep_keys=True,
+    )
+    return table.merged("line")
+
+
+def _quotient(with_links: float, coupled: float, ratio: float) -> str:
+    """Return a peak with links over that of the coupled analysis; empty without one."""
+    return f"{with_links:.0f}/{coupled:.0f} = {ratio:.2f}" if np.isfinite(ratio) else ""
 
 
 def _lines_table(lines: "pd.DataFrame") -> Table:
@@ -89,11 +167,12 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
     ]:
         note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
     note = " ".join([note, plain(initial_stiffness_note(lines)), *_reservations(lines)])
+    several_states = lines["state"].nunique() > 1
     several = lines["bearing"].nunique() > 1
     keys = ["bearing", "line"] if several else ["line"]
     if (lines["line_bearing"] != lines["bearing"]).any():
         keys.append("line_bearing")
-    keys += ["count", "ambient_degC"]
+    keys += ["count", "rubber", "ambient_degC"] if several_states else ["count", "ambient_degC"]
     values = ["design_displacement_mm", "K_eff_kN_mm", "h_eff"]
     values += ["Q_d_kN", "K_d_kN_mm", "K_1_kN_mm", "K_v_kN_mm"]
     # The vertical stiffness is that of scragged rubber at its reference temperature or warmer.
@@ -125,7 +204,8 @@ def _bridge_table(bridges: "pd.DataFrame") -> Table:
     if factor.unverified:
         source += " *: not checked against the published text."
     several = bridges["bearing"].nunique() > 1
-    bridge_keys = ["bearing", "ambient_degC"] if several else ["ambient_degC"]
+    bridge_keys = ["bearing"] * several + ["state"] * (bridges["state"].nunique() > 1)
+    bridge_keys.append("ambient_degC")
     return make_table(
         bridges,
         [*bridge_keys, "effective_period_s", *DAMPING_RATIOS, "B_L"],
@@ -133,6 +213,7 @@ def _bridge_table(bridges: "pd.DataFrame") -> Table:
         keys=len(bridge_keys),
         note=source,
         keep_keys=True,
+        heads={"state": "Rubber"},
     )
 
 
@@ -145,8 +226,9 @@ def _reservations(lines: "pd.DataFrame") -> list[str]:
         if (text := elastic_note(row))
     ]:
         elastic = [f"{ELASTIC} ({'; '.join(elastic)})."]
-    rows = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"]).to_dict("records")
-    names = [f"{row['line_bearing']} at {row['ambient_degC']:g} °C" for row in rows]
+    rows_of_states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
+    rows = rows_of_states.to_dict("records")
+    names = place_names(rows_of_states, "°C")
     sentences = []
     for begins, describes in RESERVATIONS:
         names_by_text: dict[str, list[str]] = {}

@@ -1,0 +1,256 @@
+"""Links in place of bearings: the same bridge, motions and temperatures with bilinear loops.
+
+A link has stiffness and damping of one cycle at one displacement, at one temperature. How far an
+analysis with links is from the coupled one depends on the bridge and its motions, so that it is
+computed for each set of links that `links.txt` states.
+"""
+
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Final, NamedTuple
+
+import numpy as np
+
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.border.errors import InputError
+from thermobearing.border.lazy import pd
+from thermobearing.earthquake.case import (
+    EarthquakeCase,
+    OnLine,
+    list_bearing_tables,
+    make_earthquake_case,
+)
+from thermobearing.earthquake.properties.lines import (
+    design_peak,
+    load_device,
+    moved_lines,
+)
+from thermobearing.earthquake.properties.notes import is_lower
+from thermobearing.earthquake.run import run_earthquake
+from thermobearing.model.earlier import REFERENCE
+from thermobearing.quantities.governing import place_of_least
+from thermobearing.quantities.words import joined
+from thermobearing.quantities.words import number as number_text
+
+if TYPE_CHECKING:
+    from thermobearing.earthquake.result import EarthquakeResult
+
+SHORTFALL = 0.05  # of a peak, from which on links are said to be unsafe
+RIGID = 1e7  # kN, largest strength of a bilinear bearing: a line that does not move stays elastic
+MOMENT: Final = "pier_moment_max_kN_m"
+# Column of the lines or runs, and name and unit in the tables of trials.
+PEAKS: Final = {
+    "displacement_max_mm": ("displacement", "mm"),
+    "force_max_kN": ("force", "kN"),
+    MOMENT: ("pier_moment", "kN_m"),
+}
+AXIAL = "links have no axial force that acts on the shear force"
+BILINEAR_MODEL = "the analysis is of bilinear bearings itself"
+IN_PLAN = "the structure moves in two directions"
+NO_LOOP = "a line has no yield at its design displacement"
+
+
+class Trials(NamedTuple):
+    """Peaks with links and of the coupled analysis, and what was run for them."""
+
+    rows: "pd.DataFrame"
+    runs: int
+    reasons: list[str]  # why sets of links, or all of them, were not run
+
+
+def trial_columns(peak_name: str, unit: str) -> tuple[str, str, str]:
+    """Return the columns of a peak: with links, of the coupled analysis, and their ratio."""
+    return f"{peak_name}_links_{unit}", f"{peak_name}_coupled_{unit}", f"{peak_name}_ratio"
+
+
+def try_links(results: Mapping[str, "EarthquakeResult"], lines: "pd.DataFrame") -> Trials:
+    """Run a bridge with the links of its lines in place of its bearings.
+
+    Parameters
+    ----------
+    results : coupled analyses of the bridge by `state` of their rubber.
+    lines : the properties of `line_properties` of these analyses.
+
+    Returns
+    -------
+    Trials
+        A row for each bearing of the analysis, line, state of the rubber and ambient temperature,
+        and another (`lead` is "heated") with the lead of the lower values at its highest
+        temperature: largest displacement [mm], force of one bearing [kN] and pier moment [kN m],
+        the mean over motions where there are as many as a design displacement needs for it.
+        `..._ratio` is that with links over that of the coupled analysis.
+    """
+    frames, reasons, runs = [], [], 0
+    for state, group in lines.groupby("state", sort=False):
+        coupled = results[str(state)]
+        table = tomllib.loads(str(coupled.dataset.attrs["case"]))
+        if (reason := IN_PLAN if coupled.directions else _refusal(table)) is not None:
+            reasons.append(reason)
+            continue
+        case = make_earthquake_case(table, "result")
+        devices = {str(item["name"]): load_device(item) for item in list_bearing_tables(table)}
+        thickness = {name: device.total_rubber_thickness for name, device in devices.items()}
+        # Links of bilinear bearings alone are these bearings.
+        layered = group.groupby(["bearing", "ambient_degC"])["rubber"].transform("max") != ""
+        for heated, rows in _sets_of_links(group[layered]):
+            try:
+                linked_case = _with_links(case, rows, thickness, heated=heated)
+                linked = run_earthquake(linked_case)
+            except InputError as error:
+                reasons.append(error.problems[0])
+                continue
+            runs += linked.runs
+            frames.append(_compared(coupled, linked, rows, heated=heated))
+    compared = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
+    return Trials(compared, runs, list(dict.fromkeys(reasons)))
+
+
+def shortfalls(rows: "pd.DataFrame") -> list[tuple[str, dict[Any, Any]]]:
+    """Return the peaks that links understate by more than 5 %, with the row where by most."""
+    peaks = []
+    for peak_name, _ in PEAKS.values():
+        short = rows[rows[f"{peak_name}_ratio"] < 1.0 - SHORTFALL]
+        if len(short):
+            place = place_of_least(short[f"{peak_name}_ratio"])
+            peaks.append((peak_name, short.iloc[place].to_dict()))
+    return peaks
+
+
+def shortfall_note(rows: "pd.DataFrame") -> str:
+    """Return by how much links understate peaks of the coupled analysis, as a sentence; else empty.
+
+    `rows` are those of one line, or of all lines of a set of links.
+    """
+    phrases = []
+    for peak_name, row in shortfalls(rows):
+        unit = next(unit for name, unit in PEAKS.values() if name == peak_name)
+        with_links, coupled, ratio = (row[name] for name in trial_columns(peak_name, unit))
+        phrases.append(
+            f"{100.0 * (1.0 - ratio):.0f} % less {peak_name.replace('_', ' ')} than the "
+            f"coupled analysis ({row['line']}: {number_text(with_links)} instead of "
+            f"{number_text(coupled)} {unit.replace('_', ' ')}; multiply it by {1.0 / ratio:.2f})"
+        )
+    if not phrases:
+        return ""
+    other = "or take the values of the coupled analysis"
+    return f"In this bridge these links give {joined(phrases)}, {other}."
+
+
+def _refusal(table: Mapping[str, Any]) -> str | None:
+    """Return why a resolved case cannot have links; None if it can."""
+    analysis = table["analysis"]
+    if analysis.get("axial", "off") != "off":
+        return AXIAL
+    return None if analysis.get("model", REFERENCE) == REFERENCE else BILINEAR_MODEL
+
+
+def _sets_of_links(lines: "pd.DataFrame") -> Iterator[tuple[bool, "pd.DataFrame"]]:
+    """Yield the links of one bridge at one temperature, and whether their lead is heated."""
+    for _, rows in lines.groupby(["bearing", "ambient_degC"], sort=False):
+        yield False, rows
+        if rows["lead_degC"].notna().any() and any(map(is_lower, rows.to_dict("records"))):
+            yield True, rows
+
+
+def _with_links(
+    case: EarthquakeCase, rows: "pd.DataFrame", thickness: Mapping[str, float], *, heated: bool
+) -> EarthquakeCase:
+    """Return a case with the links of a set in place of its bearings; InputError if it cannot be.
+
+    Lines that have no link, since they do not move, keep the stiffness that the structure states.
+    """
+    links = {
+        str(row["line"]): _link(row, number, thickness[row["line_bearing"]], heated=heated)
+        for number, row in enumerate(rows.to_dict("records"), 1)
+    }
+    for place, line in enumerate(case.structure.bearings, 1):
+        if line.name not in links:
+            links[line.name] = BilinearBearing(
+                name=f"unmoved-{place}",
+                total_rubber_thickness=max(thickness.values()),
+                strength=RIGID,
+                initial_stiffness=line.equivalent_stiffness,
+                post_yield_stiffness=0.5 * line.equivalent_stiffness,
+            )
+    first, *others = links
+    # Links have neither temperature nor rubber.
+    analysis = case.analysis.model_copy(update={"state": None, "exposure": None})
+    linked = case.model_copy(
+        update={
+            "bearings": [links[first]],
+            "lines": tuple(OnLine(line=name, bearing=links[name]) for name in others),
+            "ambient": [float(rows["ambient_degC"].iloc[0])],
+            "weather": None,
+            "initial_state": None,
+            "rig": None,
+            "limits": None,
+            "codes": None,
+            "rotation": None,
+            "zone": None,
+            "axial_force": None,
+            "bands": None,
+            "sources": None,
+            "analysis": analysis,
+        }
+    )
+    if faults := linked.faults():
+        raise InputError(faults, "links")
+    return linked
+
+
+def _link(
+    row: Mapping[Any, Any], number: int, thickness: float, *, heated: bool
+) -> BilinearBearing:
+    """Return the bilinear loop of a line; InputError where it has none."""
+    strength = row["Q_d_kN"]
+    if heated and not np.isnan(row["Q_d_heated_kN"]):
+        strength = row["Q_d_heated_kN"]
+    if np.isnan(row["K_1_kN_mm"]):
+        raise InputError(f"{NO_LOOP} ({row['line']}, {row['line_bearing']})", "links")
+    return BilinearBearing(
+        name=f"link-{number}",
+        total_rubber_thickness=thickness,
+        strength=strength,
+        initial_stiffness=row["K_1_kN_mm"],
+        post_yield_stiffness=row["K_d_kN_mm"],
+    )
+
+
+def _compared(
+    coupled: "EarthquakeResult",
+    linked: "EarthquakeResult",
+    rows: "pd.DataFrame",
+    *,
+    heated: bool,
+) -> "pd.DataFrame":
+    """Return peaks of the lines of a set with links and of the coupled analysis."""
+    moved, moved_with_links = _line_peaks(coupled), _line_peaks(linked)
+    compared = []
+    for row in rows.to_dict("records"):
+        keys = ["bearing", "line", "line_bearing", "state", "rubber", "ambient_degC", "bound"]
+        peaks: dict[str, Any] = {key: row[key] for key in keys}
+        peaks["lead"] = "heated" if heated else ""
+        chosen = (moved["bearing"] == row["bearing"]) & (
+            moved["ambient_degC"] == row["ambient_degC"]
+        )
+        of_line = moved[chosen & (moved["line"] == row["line"])].set_index("motion")
+        with_links = moved_with_links[moved_with_links["line"] == row["line"]].set_index("motion")
+        motions = [motion for motion in of_line.index if motion in with_links.index]
+        for column, name in PEAKS.items():
+            values = [
+                design_peak(table.loc[motions, column].to_numpy(dtype=float)) if motions else np.nan
+                for table in (with_links, of_line)
+            ]
+            ratio = values[0] / values[1] if values[1] else np.nan
+            peaks |= dict(zip(trial_columns(*name), (*values, ratio), strict=True))
+        compared.append(peaks)
+    return pd.DataFrame(compared)
+
+
+def _line_peaks(result: "EarthquakeResult") -> "pd.DataFrame":
+    """Return the peaks of the lines of completed runs, with the moment of the pier of each run."""
+    table = tomllib.loads(str(result.dataset.attrs["case"]))
+    devices = {str(item["name"]): load_device(item) for item in list_bearing_tables(table)}
+    lines = moved_lines(result, table["structure"], devices)
+    keys = ["bearing", "motion", "ambient_degC"]
+    return lines.merge(result.table[[*keys, MOMENT]], on=keys)

@@ -1,0 +1,167 @@
+"""Links in place of bearings: peaks of the same bridge, beside those of the coupled analysis."""
+
+import io
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+
+import thermobearing as tb
+from tests.unit.test_lines_and_piers import two_piers
+from thermobearing.bearing.bilinear import BilinearBearing
+from thermobearing.border.schema import validated
+from thermobearing.earthquake.properties.lines import line_properties
+from thermobearing.earthquake.properties.links import trials_note
+from thermobearing.earthquake.properties.notes import SCRAGGED, with_bounds
+from thermobearing.earthquake.properties.trials import shortfall_note, try_links
+from thermobearing.earthquake.report import build_pieces
+from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.report.pieces import Pieces
+from thermobearing.structure.model import Structure
+
+HDR, LRB = "shen-hdr-bridge", "lrb-example"
+MOTIONS = [{"name": name, "factor": 0.4} for name in ("jra-ii-i-1", "jra-ii-ii-1")]
+CASE: dict[str, Any] = {"ambient": [23.0, -20.0], "duration": 15}
+
+
+@pytest.fixture(scope="module")
+def bridge() -> EarthquakeResult:
+    """HDR on one pier, LRB on the other."""
+    structure = validated(Structure, two_piers(), "test")
+    lines = [{"line": "on A", "bearing": HDR}]
+    return tb.bridge(LRB, MOTIONS, structure=structure, lines=lines, **CASE)
+
+
+@pytest.fixture(scope="module")
+def pieces(bridge: EarthquakeResult) -> Pieces:
+    return build_pieces(bridge)
+
+
+def table_of(pieces: Pieces, name: str) -> pd.DataFrame:
+    return pd.read_csv(io.BytesIO(pieces.files[name]), keep_default_na=False)
+
+
+def test_a_trial_is_the_bridge_on_bilinear_bearings(
+    bridge: EarthquakeResult, pieces: Pieces
+) -> None:
+    """The rows of properties.csv as bilinear bearings of a case of one's own, heated lead too."""
+    trials, properties = table_of(pieces, "links.csv"), table_of(pieces, "properties.csv")
+    assert trials["lead"].tolist().count("heated") == 2
+    lower = properties[properties["bound"] == "lower"].set_index("line")
+    for lead, strengths in (("", "Q_d_kN"), ("heated", "Q_d_heated_kN")):
+        links = {}
+        for line, row in lower.iterrows():
+            strength = row[strengths] if row[strengths] != "" else row["Q_d_kN"]
+            links[line] = BilinearBearing(
+                name=str(line).replace(" ", "-"),
+                total_rubber_thickness=100.0,
+                strength=float(strength),
+                initial_stiffness=float(row["K_1_kN_mm"]),
+                post_yield_stiffness=float(row["K_d_kN_mm"]),
+            )
+        structure = validated(Structure, two_piers(), "test")
+        line_tables = [{"line": "on A", "bearing": links["on A"]}]
+        alone = tb.bridge(
+            links["on B"], MOTIONS, 23.0, structure=structure, lines=line_tables, duration=15
+        )
+        rows = trials[(trials["bound"] == "lower") & (trials["lead"] == lead)].set_index("line")
+        for line in ("on A", "on B"):
+            with_links, coupled = (
+                result.lines[result.lines["line"] == line]
+                for result in (alone, bridge.sel(ambient=23.0))
+            )
+            for column, name in (
+                ("displacement_max_mm", "displacement"),
+                ("force_max_kN", "force"),
+            ):
+                unit = column.rpartition("_")[2]
+                values = rows.loc[line, [f"{name}_links_{unit}", f"{name}_coupled_{unit}"]]
+                peaks = with_links[column].max(), coupled[column].max()
+                assert_allclose(values.to_numpy(dtype=float), peaks, rtol=1e-6)
+                assert_allclose(float(rows.loc[line, f"{name}_ratio"]), peaks[0] / peaks[1])
+        moment = alone.table["pier_moment_max_kN_m"].max()
+        assert_allclose(float(rows["pier_moment_links_kN_m"].iloc[0]), moment, rtol=1e-6)
+
+
+def test_a_plain_report_has_links_of_both_states(bridge: EarthquakeResult, pieces: Pieces) -> None:
+    """Scragged at both temperatures, and virgin in the cold from the analysis of virgin rubber."""
+    properties = table_of(pieces, "properties.csv")
+    on_a = properties[properties["line"] == "on A"]
+    states = list(zip(on_a["rubber"], on_a["ambient_degC"], on_a["bound"], strict=True))
+    assert states == [(SCRAGGED, 23.0, "lower"), (SCRAGGED, -20.0, ""), ("virgin", -20.0, "upper")]
+    structure = validated(Structure, two_piers(), "test")
+    lines = [{"line": "on A", "bearing": HDR}]
+    virgin = tb.bridge(
+        LRB, MOTIONS, -20.0, structure=structure, lines=lines, duration=15, state="virgin"
+    )
+    expected = line_properties(virgin).set_index("line")
+    for name in ("K_eff_kN_mm", "Q_d_kN", "K_1_kN_mm", "design_displacement_mm"):
+        assert_allclose(float(on_a[name].iloc[-1]), expected.loc["on A", name])
+    text = pieces.files["links.txt"].decode()
+    for head in (
+        "lower values (scragged rubber, warmest)",
+        "lower values (scragged rubber, warmest, lead heated)",
+        "upper values (virgin rubber, first loading, coldest)",
+    ):
+        assert f"\n  {head}\n" in text
+    assert "--state virgin" not in text
+
+
+def test_a_report_of_virgin_rubber_has_lower_values_of_scragged_rubber() -> None:
+    virgin = tb.bridge(HDR, MOTIONS, state="virgin", **CASE)
+    properties = table_of(build_pieces(virgin), "properties.csv")
+    states = set(
+        zip(properties["rubber"], properties["ambient_degC"], properties["bound"], strict=True)
+    )
+    assert states == {("virgin", 23.0, ""), ("virgin", -20.0, "upper"), (SCRAGGED, 23.0, "lower")}
+
+
+def trial_rows(ratios: dict[str, float]) -> pd.DataFrame:
+    row: dict[str, Any] = {"line": "A1"}
+    for name, unit in (("displacement", "mm"), ("force", "kN"), ("pier_moment", "kN_m")):
+        ratio = ratios.get(name, 1.0)
+        row |= {f"{name}_links_{unit}": 100.0 * ratio, f"{name}_coupled_{unit}": 100.0}
+        row[f"{name}_ratio"] = ratio
+    return pd.DataFrame([row, row | {f"{name}_ratio": 1.0 for name in ratios}])
+
+
+def test_links_that_understate_a_peak_say_by_how_much() -> None:
+    note = shortfall_note(trial_rows({"displacement": 0.77}))
+    assert "23 % less displacement" in note
+    assert "77 instead of 100 mm" in note
+    assert "1.30" in note
+    assert "force" not in note
+    assert shortfall_note(trial_rows({"force": 0.951, "pier_moment": 1.2})) == ""
+    assert shortfall_note(trial_rows({"displacement": np.nan})) == ""
+
+
+def trials_of(result: EarthquakeResult) -> Any:
+    lines = with_bounds(line_properties(result))
+    return try_links({str(lines["state"].iloc[0]): result}, lines)
+
+
+def test_what_cannot_have_links_says_so() -> None:
+    """A bridge in plan, axial forces, and lines without a yield have no trials but a reason."""
+    axial = {"dead_load": "1000 kN"}
+    lines = [{"line": "G1-G5", "axial": axial}]
+    short: dict[str, Any] = {"motion": "jra-ii-i-1", "ambient": 23.0, "duration": 2}
+    plan = {"structure": "five-span-bridge", "components": 1}
+    results = [
+        tb.bridge(HDR, lines=lines, axial="dead", **short),
+        tb.bridge(HDR, **short, **plan),
+        tb.bridge(HDR, **short | {"motion": {"name": "jra-ii-i-1", "factor": 0.01}}),
+    ]
+    for result in results:
+        trials = trials_of(result)
+        assert trials.rows.empty
+        assert (trials.runs, len(trials.reasons)) == (0, 1)
+        assert trials.reasons[0] in trials_note(trials)
+        pieces = build_pieces(result)
+        assert "links.csv" not in pieces.files
+        assert trials.reasons[0].split(" (")[0] in " ".join(
+            pieces.files["links.txt"].decode().split()
+        )
+    bilinear = trials_of(tb.bridge("shen-bilinear-bridge", **short))
+    assert (bilinear.runs, bilinear.reasons, trials_note(bilinear)) == (0, [], "")
