@@ -18,6 +18,7 @@ from tests.unit.inputs import command, content, last_line, summary
 from thermobearing.border.errors import InputError
 from thermobearing.motions.library import load_motion, save_motion
 from thermobearing.motions.record import GroundMotion
+from thermobearing.motions.run import make_motion_case, run_motion
 from thermobearing.motions.targets import load_spectrum, standard_spectrum, standard_target
 from thermobearing.results.writing import write_summary
 
@@ -181,6 +182,16 @@ def test_a_case_names_its_directory() -> None:
     assert story.make_motion_case("ii", 3, seed=7).name == "jra-ii-iii-7"
     odd = GroundMotion("El Centro/NS", 0.01, np.ones(10))
     assert story.make_motion_case("I", "I", record=odd).name == "el-centro-ns-as-i-i"
+
+
+@pytest.mark.parametrize(("kind", "other"), [(None, "--kind I "), ("I", "--kind II ")])
+def test_a_motion_for_a_spectrum_of_a_code_says_its_kind_and_how_to_choose(
+    kind: str | None, other: str
+) -> None:
+    target = load_spectrum({"shape": "aashto", "A_s": "0.4 g", "S_DS": "1 g", "S_D1": "0.6 g"})
+    case = make_motion_case(kind, spectrum=target, dt=0.02)
+    assert other in run_motion(case).notes()[-1]
+    assert "--kind" not in " ".join(run_motion(make_motion_case(kind, dt=0.02)).notes())
 
 
 def test_a_case_is_checked_before_its_record_is_read() -> None:

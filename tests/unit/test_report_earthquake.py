@@ -286,6 +286,18 @@ def test_a_report_states_what_motions_were_made_to_fit(tmp_path: Path) -> None:
     assert again == motion_targets(result.dataset)
 
 
+def test_a_report_says_which_files_are_synthetic(tmp_path: Path) -> None:
+    """An AT2 file has the description alone, by which a generated motion is told."""
+    files = []
+    for number, description in enumerate(("Synthetic, fits the spectrum of X", "Kobe, 1995")):
+        motion = dataclasses.replace(load_motion("jra-ii-i-1"), description=description)
+        files.append(str(save_motion(motion, tmp_path / f"motion-{number}.AT2")))
+    result = tb.bridge("shen-bilinear-bridge", files, 23, duration=2)
+    sources = [row[-1] for row in build_pieces(result).inputs["motions"].rows]
+    assert ["Synthetic, fits the spectrum of X" in text for text in sources] == [True, False]
+    assert "Kobe" not in sources[1]
+
+
 def test_a_direction_without_motion_has_no_figures(plan_of_two: EarthquakeResult) -> None:
     """The symmetric bridge does not move across: its histories there are rounding."""
     assert plan_of_two.moves_along("x")

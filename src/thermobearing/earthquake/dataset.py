@@ -35,7 +35,7 @@ from thermobearing.earthquake.axial import (
 )
 from thermobearing.earthquake.case import EarthquakeCase, in_weather
 from thermobearing.earthquake.measures import DIRECTION
-from thermobearing.earthquake.motions import CUT, TARGETS, cut_note, pair_notes
+from thermobearing.earthquake.motions import CUT, GENERATED, TARGETS, cut_note, pair_notes
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model import handover
 from thermobearing.model.checks import (
@@ -56,6 +56,7 @@ from thermobearing.model.outcomes import (
     MELTED,
     heat_flow,
 )
+from thermobearing.motions.library import list_motions
 from thermobearing.motions.pair import MotionPair
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.warned import UNTESTED, UNUSABLE, Warned, one_per_cause
@@ -611,6 +612,8 @@ def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool
         attrs["surroundings"] = heat_flow(to_table(case.analysis), [])
     if targets := _motion_targets(tasks):
         attrs[TARGETS] = as_attribute(targets)
+    if generated := _generated_motions(case, tasks):
+        attrs[GENERATED] = as_attribute(generated)
     for k, direction in enumerate(dict.fromkeys(task.direction for task in tasks)):
         mode_attributes = _mode_attributes([task for task in tasks if task.direction == direction])
         # The first direction has plain names; `sel` replaces them by those with the ending "@y".
@@ -620,6 +623,17 @@ def _attributes(case: EarthquakeCase, tasks: Sequence["Task"], interrupted: bool
             }
         attrs |= mode_attributes
     return attrs
+
+
+def _generated_motions(case: EarthquakeCase, tasks: Sequence["Task"]) -> dict[str, str]:
+    """Return the descriptions of files of motions that were made to fit a spectrum, by name."""
+    built_in = {motion.title for motion in case.motions if motion.name in list_motions()}
+    described = {}
+    for motion in (task.shaking.motion for task in tasks):
+        record = motion.along("x") if isinstance(motion, MotionPair) else motion
+        if record.is_generated and motion.name not in built_in:
+            described[motion.name] = record.description
+    return described
 
 
 def _motion_targets(tasks: Sequence["Task"]) -> dict[str, dict[str, Any]]:

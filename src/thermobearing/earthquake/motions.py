@@ -370,6 +370,7 @@ def _make_labels_differ(tables: list[Any], loaded: list[GroundMotion]) -> list[s
 
 
 TARGETS = "motion_targets"  # attribute of a dataset: motions that were made to fit a spectrum
+GENERATED = "generated_motions"  # attribute: descriptions of motions that fit a spectrum, by name
 MM_PER_M = 1e3
 AT = " at "  # between the label of a pair and its angle
 
@@ -482,6 +483,9 @@ def given_motions_table(
     """Return the motions of a resolved case; with a result their length and peak as run."""
     rows: list[dict[str, Any]] = []
     targets = {} if result is None else motion_targets(result.dataset)
+    described: dict[str, str] = {}
+    if result is not None and GENERATED in result.dataset.attrs:
+        described = from_attribute(result.dataset, GENERATED)
     for motion in motions:
         records = [Path(str(motion[key])).stem for key in ("name", "across") if motion.get(key)]
         name = str(motion.get("label") or "+".join(dict.fromkeys(records)))
@@ -497,8 +501,8 @@ def given_motions_table(
                 np.nanmax(np.abs(result["ground_acceleration"].values[run]))
             )
         source = _motion_source(motion)
-        if name in targets:
-            source = f"{source}: {targets[name].description}"
+        if name in described and source.startswith("file"):
+            source = f"{source}: {described[name]}"
         rows.append(row | {"source": source})
     note = ""
     if result is not None:

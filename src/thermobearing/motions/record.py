@@ -43,6 +43,8 @@ SMALLEST = 1e-9  # smallest peak of a motion, also with trust_unit [gal]
 SHORTEST = 2  # samples
 LARGEST_DT, SMALLEST_DT = 0.1, 1e-5  # plausible time steps of an accelerogram [s]
 OFF_GRID = 0.1  # of a time step: how far a printed time may be from an even grid
+# Words of the descriptions of generated motions, by which files without a target tell them.
+SYNTHETIC, ADJUSTED = "synthetic, fits", "with Fourier amplitudes adjusted to"
 
 
 @checked
@@ -95,6 +97,14 @@ class GroundMotion:
     def time(self) -> Floats:
         """Times of the samples [s]."""
         return np.arange(len(self.acceleration), dtype=np.float64) * self.dt
+
+    @property
+    def is_generated(self) -> bool:
+        """Whether it was made or adjusted to fit a spectrum, as its target or description says."""
+        words = self.description.lower()
+        return self.target is not None or any(
+            phrase.lower() in words for phrase in (SYNTHETIC, ADJUSTED)
+        )
 
     @property
     def duration(self) -> float:

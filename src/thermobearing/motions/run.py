@@ -71,6 +71,11 @@ MEASURES = (
 )
 TARGETS = ("standard_gal", "target_gal")  # the spectrum that a motion is compared with
 SPECTRA = ("period_s", "acceleration_gal", "velocity_cm_s", "displacement_cm", *TARGETS)
+# What the envelope of a generated motion is by its type, and how to choose the other.
+ENVELOPES = {
+    "I": "Type I, long, without a velocity pulse; --kind II makes a short motion with one",
+    "II": "Type II, short, with a velocity pulse; --kind I makes a long motion without one",
+}
 STANDARD_WORDS = "the standard spectrum of "
 PAIR_SPECTRA = (
     "period_s",
@@ -91,7 +96,7 @@ class MotionResult(Result):
     `across` is the result of the second record. `damping` is that of `spectrum`, a ratio of
     critical damping; `misfit` the root mean square of spectrum / reference - 1 over 0.1 to 3 s, 5 %
     damping, None of a pair. The outcome is "completed", or "poor_fit" for a generated motion that
-    does not fit.
+    does not fit. `envelope` says what kind of motion was generated for a spectrum of one's own.
     """
 
     _figures = "MotionFigures"
@@ -104,6 +109,7 @@ class MotionResult(Result):
     misfit: float | None
     outcome: str = COMPLETED
     across: "MotionResult | None" = field(default=None, kw_only=True)
+    envelope: str = field(default="", kw_only=True)
 
     @property
     def headline(self) -> str:
@@ -190,7 +196,7 @@ class MotionResult(Result):
                 f"misfit {100 * self.misfit:.1f} % rms over 0.1 to 3 s compared with "
                 f"{self.reference.words.removeprefix(STANDARD_WORDS)}"
             )
-        return sentences
+        return sentences + [self.envelope] * bool(self.envelope)
 
     def summary(self) -> dict[str, Any]:
         """Content of summary.json."""
@@ -437,7 +443,10 @@ def run_motion(case: MotionCase, *, progress: Progress | None = None) -> MotionR
         motion = match_spectrum(record, case.kind, case.ground, **options)
     result = _measured("motions make", motion, case.spectrum, DAMPING)
     assert result.misfit is not None
-    return replace(result, outcome=POOR_FIT) if result.misfit > LARGEST_MISFIT else result
+    outcome = POOR_FIT if result.misfit > LARGEST_MISFIT else result.outcome
+    # The type of a standard spectrum is in its name.
+    of_own = case.record is None and not case.spectrum.standard
+    return replace(result, outcome=outcome, envelope=ENVELOPES[case.kind] if of_own else "")
 
 
 def _reference(motion: GroundMotion, kind: str | None, ground: str | None) -> DesignSpectrum | None:

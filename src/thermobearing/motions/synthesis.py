@@ -17,7 +17,7 @@ from thermobearing.border.units import parse_quantity
 from thermobearing.core.types import Floats
 from thermobearing.motions.matching import LONGEST_FIT, Effort, Matched, Progress, matched
 from thermobearing.motions.process import padded
-from thermobearing.motions.record import GroundMotion, acceleration_unit
+from thermobearing.motions.record import ADJUSTED, SYNTHETIC, GroundMotion, acceleration_unit
 from thermobearing.motions.targets import (
     GROUNDS,
     KINDS,
@@ -259,13 +259,15 @@ def make_motion(
             break
     assert fit is not None
     near_fault = _near_fault().get(_motion_name(kind, ground, seed))
-    stand_in = f"Stand-in, {target.caveat}: synthetic" if target.caveat else "Synthetic"
+    stand_in = (
+        f"Stand-in, {target.caveat}: {SYNTHETIC}" if target.caveat else SYNTHETIC.capitalize()
+    )
     return GroundMotion(
         name=f"{target.name}-{seed}",
         dt=dt,
         acceleration=fit.acceleration,
         description=(
-            f"{stand_in}, fits {target.words} "
+            f"{stand_in} {target.words} "
             f"(seed {seed}, misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s)"
         ),
         citation="; ".join(
@@ -329,7 +331,7 @@ def match_spectrum(
         dt=record.dt,
         acceleration=fit.acceleration,
         description=(
-            f"{record.name} with Fourier amplitudes adjusted to {target.words}, phases kept "
+            f"{record.name} {ADJUSTED} {target.words}, phases kept "
             f"(misfit {100 * fit.misfit:.1f} % rms over 0.1-3 s){caveat}"
         ),
         citation="; ".join(text for text in (record.citation, target.citation) if text),
