@@ -16,7 +16,8 @@ from thermobearing.border.toml import to_toml
 from thermobearing.design.bounds import DEMANDS, bounds_study, least_safe
 from thermobearing.earthquake.answer import main_results
 from thermobearing.earthquake.case import make_earthquake_case
-from thermobearing.earthquake.measures import COLUMNS, cold_ratios, with_own_bearing
+from thermobearing.earthquake.measures import COLUMNS, cold_ratios, with_partial_loops
+from thermobearing.earthquake.properties.written import with_governing_bearings, with_own_bearing
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.run import build_tasks, find_outcome
 from thermobearing.earthquake.tables import _parts_table, governing_runs, make_tables
@@ -114,6 +115,24 @@ def test_a_written_row_of_a_line_names_its_own_bearing(two_kinds: tb.EarthquakeR
     twice = pd.concat([two_kinds.lines, two_kinds.lines.assign(bearing="shen-lhdr-bridge")])
     rows = with_own_bearing(twice)
     assert not rows.duplicated(["bearing", "analysis_bearing", "motion", "ambient_degC"]).any()
+
+
+def test_a_written_run_names_the_bearings_of_its_peaks(two_kinds: tb.EarthquakeResult) -> None:
+    table = two_kinds.table
+    written = with_governing_bearings(table, two_kinds.line_bearings)
+    assert "bearing" not in written
+    assert written["analysis_bearing"].tolist() == table["bearing"].tolist()
+    bearings = {"on A": "shen-hdr-bridge", "on B": "lrb-example"}
+    for name in ("strain", "force"):
+        governing = [bearings[line] for line in table[f"{name}_line"]]
+        assert written[f"{name}_bearing"].tolist() == governing
+    assert set(written["force_bearing"]) != {"lrb-example"}
+    assert with_governing_bearings(table, {}) is table
+
+
+def test_one_sided_loops_are_partial() -> None:
+    sides = {"loop_D_plus_mm": [8.6, 35.8, 60.0], "loop_D_minus_mm": [-44.8, -25.7, -29.0]}
+    assert with_partial_loops(pd.DataFrame(sides))["loop"].tolist() == ["partial", "", "partial"]
 
 
 def test_the_energy_of_one_kind_is_the_mean_over_its_lines() -> None:

@@ -15,7 +15,8 @@ from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.tables import console_tables
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
-from thermobearing.report.pieces import MARK, marked_note
+from thermobearing.report.pieces import MARK, Bullets, marked_note
+from thermobearing.report.template import ACTIONS, OF_RANGE, _actions
 from thermobearing.reported import model_assumptions
 from thermobearing.results.drawing import UNTESTED
 from thermobearing.structure.model import Structure
@@ -50,6 +51,20 @@ def test_the_screen_marks_runs_outside_the_tests_of_the_bearing_of_a_line(
 
 def motion_of(result: tb.EarthquakeResult) -> str:
     return str(result["motion"].values[0])
+
+
+def test_a_temperature_outside_the_tests_has_its_own_action(
+    own_bearings: tb.EarthquakeResult,
+) -> None:
+    """It says which results are concerned, and what bounds them until there is a test."""
+    blocks = _actions(build_pieces(own_bearings))
+    (actions,) = [block.items for block in blocks if isinstance(block, Bullets)]
+    (action,) = [text for text in actions if "All results at −30 °C" in text]
+    assert f"{HDR} (tested at −20 to 23 °C)" in action
+    assert ACTIONS[OF_RANGE] not in actions
+    warm = build_pieces(own_bearings.sel(ambient=23.0))
+    assert warm.range_action == ""
+    assert any("Not checked: thermal movement" in text for text in warm.assumptions)
 
 
 def test_captions_speak_of_shading_only_where_it_is(own_bearings: tb.EarthquakeResult) -> None:

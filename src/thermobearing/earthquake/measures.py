@@ -133,6 +133,10 @@ LOOP: Final = {  # of the largest loop: name in CycleMeasures
     "loop_G_e_MPa": "G_eq_MPa",
     "loop_energy_kN_mm": "energy_kN_mm",
 }
+PARTIAL: Final = 0.5  # of the larger side of a loop, below which the smaller makes it partial
+PARTIAL_NOTE: Final = (
+    " Partial: one-sided, |D+| or |D−| below half of the other, and no equivalent linear model."
+)
 LOOP_TIMES: Final = ("loop_start", "loop_end")  # [s]
 LINES: Final = {  # columns of the table of bearing lines: name in the dataset
     "line_bearing": "line_bearing",
@@ -181,19 +185,11 @@ def key_columns(frame: "pd.DataFrame") -> list[str]:
     return [name for name in KEYS if name in frame]
 
 
-def with_own_bearing(lines: "pd.DataFrame") -> "pd.DataFrame":
-    """Return a table of lines as it is written: `bearing` is that of the line of the row.
-
-    A line with its own bearing has it in every analysis of several: the column `analysis_bearing`
-    then says which analysis a row is of.
-    """
-    if not len(lines):
-        return lines
-    names = lines["bearing"]
-    written = lines.drop(columns="line_bearing").assign(bearing=lines["line_bearing"])
-    if names.nunique() > 1 and (names != lines["line_bearing"]).any():
-        written.insert(1, "analysis_bearing", names)
-    return written
+def with_partial_loops(frame: "pd.DataFrame") -> "pd.DataFrame":
+    """Return runs with a column `loop`, "partial" where the largest loop is one-sided, else ""."""
+    sides = frame[["loop_D_plus_mm", "loop_D_minus_mm"]].abs().to_numpy(dtype=float)
+    partial = sides.min(axis=1) < PARTIAL * sides.max(axis=1)
+    return frame.assign(loop=np.where(partial, "partial", ""))
 
 
 def cold_ratios(result: "EarthquakeResult") -> "pd.DataFrame":

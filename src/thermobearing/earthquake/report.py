@@ -71,6 +71,11 @@ from thermobearing.structure.report import structure_table
 
 Case = Mapping[str, Any]
 MODES = {"rt": "in real time", "pd": "pseudo-dynamic"}
+NOT_ASSEMBLED = (
+    "Not checked: thermal movement, creep and shrinkage of the deck, which move bearings before "
+    "the earthquake, are not in the analysis; the service combination of shear strains of AASHTO "
+    "GSID (compression, rotation and non-seismic displacement) is not assembled."
+)
 DAMPING = {
     "modal": "a ratio for each mode of the structure without its bearings",
     "rayleigh": "Rayleigh, of the structure without its bearings",
@@ -220,6 +225,8 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
         f"steps of at most {quantity(analysis['dt'])}.",
         start,
     ]
+    if case["command"] == "bridge":
+        sentences.append(NOT_ASSEMBLED)
     sentences += _laboratory(case)
     layered = any(table.get("kind") != "bilinear" for table in list_bearing_tables(case))
     sentences += [reported.undecided()] if layered and result.bands.empty else []
@@ -306,7 +313,26 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         ),
         energy=structure_balance(result) if result.runs else None,
         assumptions=_assumptions(result, case),
+        range_action=_range_action(result),
         **content.result_parts(result, str(attrs["case"]), command),
+    )
+
+
+def _range_action(result: EarthquakeResult) -> str:
+    """Return what to do where ambient temperatures are outside the tests of a bearing; else ""."""
+    outside: dict[str, set[float]] = {}
+    for row in result.tested_range.to_dict("records"):
+        if row["limit"] == "ambient" and row["outside"]:
+            name = f"{str(row['run']).partition(', ')[0]} (tested at {row['lowest']:g} to "
+            outside.setdefault(f"{name}{row['largest']:g} °C)", set()).add(float(row["demand"]))
+    if not outside:
+        return ""
+    ambients = sorted(set().union(*outside.values()))
+    return plain(
+        f"All results at {degrees(ambients)} are outside the calibration range of "
+        f"{joined(outside)}. Have the bearing tested at this temperature, or enter the maker's "
+        "data of it; until then take the factors of a code at this temperature as a bound "
+        "(`thermobearing lambda`). Extend the range by tests for other results outside it."
     )
 
 

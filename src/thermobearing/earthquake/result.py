@@ -18,6 +18,7 @@ from thermobearing.earthquake import earlier, measures, tables
 from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
 from thermobearing.earthquake.properties.bridge import nominal_stiffness
+from thermobearing.earthquake.properties.written import with_governing_bearings, with_own_bearing
 from thermobearing.model.limits import CODE_KEYS
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
@@ -663,14 +664,14 @@ class EarthquakeResult(DatasetResult):
 
     def _write(self, folder: Path) -> None:
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
-        write_csv(folder / directory.TABLE, self.table)
+        write_csv(folder / directory.TABLE, with_governing_bearings(self.table, self.line_bearings))
         frames = {directory.MODES: self.modes_table, directory.AXIAL: self.axial}
         if self.in_plan:
             frames[directory.DIRECTIONS] = self.by_direction()
         frames[directory.COMPONENTS] = self.components
         frames[directory.BANDS] = self.bands
         frames[directory.ROTATION] = tables.rotation_measures_frame(self)
-        frames[directory.LINES] = measures.with_own_bearing(self.by_direction("lines"))
+        frames[directory.LINES] = with_own_bearing(self.by_direction("lines"))
         frames[directory.PIERS] = self.by_direction("piers")
         if self.compared:
             frames[directory.COMPARISON] = earlier.comparison_table(self.compared)

@@ -651,12 +651,12 @@ def _loops_table(result: "EarthquakeResult") -> Table:
     )
     note += f" Peaks of each line are in {LINES}." if result.has_parts else ""
     caption = f"Largest loop of one bearing{_reported_line(result)} in each run"
-    closed = frame[frame["loop_K_eq_kN_mm"].notna()]
+    closed = measures.with_partial_loops(frame[frame["loop_K_eq_kN_mm"].notna()])
     if len(closed) < len(frame):
-        rows = frame.drop(closed.index)[keys].itertuples(index=False)
-        places = ["; ".join(map(str, row)) for row in rows]
+        places = frame.drop(closed.index)[keys].astype(str).agg("; ".join, axis=1)
         note = f"{note} Without a row, since the loop does not close: {joined(places)}."
-    table = make_table(closed, [*keys, *LOOP], caption, keys=len(keys), note=note)
+    note += measures.PARTIAL_NOTE * bool(closed["loop"].any())
+    table = make_table(closed, [*keys, "loop", *LOOP], caption, keys=len(keys), note=note)
     return with_invalid_marked(table, closed, LOOP)
 
 

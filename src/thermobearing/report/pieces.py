@@ -280,6 +280,7 @@ class Pieces:
     `figures` are by name. `validity` holds sentences on what left the range that the parameters
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
     warning. `energy` is the energy balance; `identity` has version, input hash and command;
+    `range_action` is what to do about results outside the calibration range, in place of the usual;
     `live` computes the result again in an HTML page; `signatures` are the roles of those who sign,
     and `one_page` whether the document is to fit on one; `files` stand next to the document, by
     name.
@@ -304,6 +305,7 @@ class Pieces:
     signatures: Sequence[str] = ()
     one_page: bool = False
     files: Mapping[str, bytes] = field(default_factory=dict)
+    range_action: str = ""
 
 
 # Blocks of a document, in reading order. Text is Markdown of the template's own sentences:

@@ -50,8 +50,9 @@ HEADING = re.compile(r"(#{1,3})\s+(.+)")
 ALL_VALID = "ll results lie inside the calibration range."
 EXTRAPOLATED = "Results outside the calibration range of a bearing are extrapolated."
 WARNINGS_OF_RANGE = "warnings on the calibration range are"
+OF_RANGE = f"{EXCEEDED} {TESTED_RANGE}"
 ACTIONS = {  # what to do about a check, by its verdict and the beginning of the limit's source
-    f"{EXCEEDED} {TESTED_RANGE}": "Do not rely on results outside the calibration range, or extend "
+    OF_RANGE: "Do not rely on results outside the calibration range, or extend "
     "the range by tests of the bearing.",
     f"{EXCEEDED} rig": "Reduce the amplitude or the speed of the test, or choose another rig.",
     EXCEEDED: "Change the bearing or the structure until no limit is exceeded.",
@@ -197,8 +198,9 @@ def _exceeded(pieces: Pieces) -> list[Block]:
 
 def _actions(pieces: Pieces) -> list[Block]:
     """Return what to do about exceeded limits and unknown ones."""
+    texts = ACTIONS | ({OF_RANGE: pieces.range_action} if pieces.range_action else {})
     actions = dict.fromkeys(
-        next(text for start, text in ACTIONS.items() if f"{c.verdict} {c.source}".startswith(start))
+        next(text for start, text in texts.items() if f"{c.verdict} {c.source}".startswith(start))
         for c in sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
         if c.verdict != PASSED
     )

@@ -5,7 +5,6 @@ from typing import Any, Final
 import numpy as np
 
 from thermobearing.border.lazy import pd
-from thermobearing.earthquake.measures import with_own_bearing
 from thermobearing.earthquake.properties.bridge import (
     bridge_properties,
     damping_factor,
@@ -40,6 +39,7 @@ from thermobearing.earthquake.properties.trials import (
     trial_columns,
     try_links,
 )
+from thermobearing.earthquake.properties.written import with_own_bearing
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
