@@ -13,6 +13,7 @@ from thermobearing.border.lazy import pd
 from thermobearing.border.toml import flat, to_table
 from thermobearing.laws import built_in_laws
 from thermobearing.model import checks
+from thermobearing.model.axial import compression_constants, compression_sources
 from thermobearing.model.constants import SOFTENING_LEAD
 from thermobearing.model.earlier import BLIND
 from thermobearing.model.options import ModelOptions
@@ -40,6 +41,26 @@ DEFAULT = "default of the program"
 # Of the input energy: with average acceleration the balance is exact but for rounding; other
 # methods have the error of a step (1e-5 in the default hybrid test).
 INEXACT = 1e-2
+
+
+def vertical_table(bearings: Iterable[Inputs]) -> Table:
+    """Return the constants and formulas of vertical stiffness and critical load.
+
+    Of layered bearings of a resolved case; bilinear ones have no plan.
+    """
+    constants = compression_constants()
+    shapes = {
+        str(table["geometry"]["plan"]["shape"])
+        for table in bearings
+        if table.get("kind") != "bilinear"
+    }
+    keys = ["bulk_modulus"] * bool(shapes)
+    keys += ["compression_round"] * ("circular" in shapes)
+    keys += ["compression_square"] * bool(shapes - {"circular"})
+    values = {key: constants[key] for key in keys}
+    note = str(constants["formulas"]) if keys else ""
+    caption = "Vertical stiffness and critical load of the bearings"
+    return input_table(caption, values, compression_sources(), note=note)
 
 
 def bearing_tables(

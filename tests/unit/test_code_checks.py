@@ -267,7 +267,7 @@ def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
     (stress,) = {
         (row["limit"], row["verdict"], row["unverified"], row["used"] > 1.0)
         for row in found.bearing_checks.to_dict("records")
-        if row["what"] == "compressive stress on the plan"
+        if row["what"] == "compressive stress on the gross plan"
     }
     assert stress == (3.0, "NG", False, True)
     starred = found.bearing_checks.query("unverified and limit == limit")

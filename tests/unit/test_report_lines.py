@@ -17,7 +17,7 @@ from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import MARK, Bullets, marked_note
 from thermobearing.report.template import ACTIONS, OF_RANGE, _actions
-from thermobearing.reported import model_assumptions
+from thermobearing.reported import model_assumptions, vertical_table
 from thermobearing.results.drawing import UNTESTED
 from thermobearing.structure.model import Structure
 
@@ -65,6 +65,17 @@ def test_a_temperature_outside_the_tests_has_its_own_action(
     warm = build_pieces(own_bearings.sel(ambient=23.0))
     assert warm.range_action == ""
     assert any("Not checked: thermal movement" in text for text in warm.assumptions)
+
+
+def test_a_report_has_the_bulk_modulus_and_its_source(own_bearings: tb.EarthquakeResult) -> None:
+    """HDR is square, the lead rubber bearing as its plan says; a bilinear bearing has neither."""
+    table = build_pieces(own_bearings).inputs["vertical"]
+    rows = {row[0]: row for row in table.rows}
+    bulk = next(row for name, row in rows.items() if "Bulk modulus" in name)
+    assert (float(bulk[1]), bulk[2]) == (2000.0, "MPa")
+    assert "MCEER" in bulk[3]
+    assert any("other layers" in name for name in rows)
+    assert not vertical_table([{"name": "x", "kind": "bilinear"}]).rows
 
 
 def test_captions_speak_of_shading_only_where_it_is(own_bearings: tb.EarthquakeResult) -> None:

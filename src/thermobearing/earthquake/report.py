@@ -94,6 +94,8 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
     }
     for bearing in list_bearing_tables(case):
         tables |= reported.bearing_tables(bearing, sources.get(str(bearing["name"])))
+    if len(vertical := reported.vertical_table(list_bearing_tables(case))):
+        tables["vertical"] = vertical
     if case.get("lines"):
         tables["lines"] = _lines_table(case)
     climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}

@@ -46,6 +46,12 @@ def compression_constants() -> dict[str, Any]:
     return dict(table)
 
 
+def compression_sources() -> dict[str, str]:
+    """Return the sources of the constants of data/materials/vertical.toml, by key."""
+    _, sources = split_sources(read_toml(data_path("materials", "vertical.toml")))
+    return dict(sources)
+
+
 def _in_python(kernel: F) -> F:
     """Return a kernel of a few numbers as plain Python, which needs no compiling."""
     # Properties of a bearing are computed once, where compiling a kernel would take seconds.
