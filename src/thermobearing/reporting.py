@@ -89,7 +89,8 @@ def make_report(
     """Write report.html and report.pdf of a result into its directory.
 
     Nothing is run again, but a bridge: all motions at the ambient temperatures that govern, with
-    rubber in the other state (virgin for tested), for the summary on the first page.
+    rubber in the other state (virgin for tested), for the summary on the first page, and all runs
+    with links in place of bearings, for links.txt.
 
     Parameters
     ----------

@@ -131,9 +131,10 @@ def _trials_table(trials: Trials) -> Table:
     sentences = [trials_note(trials)]
     for key, group in rows.groupby(["bearing", "state", "ambient_degC", "lead"], sort=False):
         if note := shortfall_note(group):
-            head = f"{key[1]} rubber" + f" at {key[2]:g} °C" * several
-            head += ", lead heated" * bool(key[3])
-            sentences.append(f"{head[:1].upper()}{head[1:]}: {note[:1].lower()}{note[1:]}")
+            named = rows["bearing"].nunique() > 1  # else a sentence begins with the rubber
+            head = f"{key[0]}, {key[1]} rubber" if named else f"{str(key[1]).capitalize()} rubber"
+            head += f" at {key[2]:g} °C" * several + ", lead heated" * bool(key[3])
+            sentences.append(f"{head}: {note[:1].lower()}{note[1:]}")
     table = make_table(
         rows.assign(**shown),
         columns,
@@ -165,7 +166,7 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
         for row in states.to_dict("records")
         if row["cycle"] == FIRST
     ]:
-        note = f"{note} The upper values are those of the first cycle ({'; '.join(notes)})."
+        note = f"{note} Upper values of virgin rubber are of another cycle ({'; '.join(notes)})."
     note = " ".join([note, plain(initial_stiffness_note(lines)), *_reservations(lines)])
     several_states = lines["state"].nunique() > 1
     several = lines["bearing"].nunique() > 1
