@@ -632,7 +632,9 @@ def _generated_motions(case: EarthquakeCase, tasks: Sequence["Task"]) -> dict[st
     for motion in (task.shaking.motion for task in tasks):
         record = motion.along("x") if isinstance(motion, MotionPair) else motion
         if record.is_generated and motion.name not in built_in:
-            described[motion.name] = record.description
+            # Of an AT2 file the second of its free lines follows, a name.
+            words = record.description
+            described[motion.name] = words if record.target else words.partition("; ")[0]
     return described
 
 
