@@ -158,13 +158,14 @@ def _trial_rows(
     (peaks,) = rows[chosen].to_dict("records")
     links = "these links and heated lead" if heated else "these links"
     text = [f"  the bridge with {links} in place of bearings"]
+    largest = "mean largest" if row["design_displacement_of"].startswith("mean") else "largest"
     for peak_name, unit in PEAKS.values():
         with_links, coupled, ratio = (peaks[name] for name in trial_columns(peak_name, unit))
         scale, metres = (KILO, "m") if unit == "mm" else (1.0, unit.replace("_", " "))
         if math.isfinite(ratio):
             other = f"{metres} (coupled {coupled / scale:.5g}, ratio {ratio:.2f})"
             text.append(
-                _link_row(f"largest {peak_name.replace('_', ' ')}", with_links / scale, other)
+                _link_row(f"{largest} {peak_name.replace('_', ' ')}", with_links / scale, other)
             )
     note = shortfall_note(rows[chosen])
     return text + textwrap.wrap(note, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
