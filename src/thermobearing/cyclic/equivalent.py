@@ -27,6 +27,7 @@ DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
 CYCLE = 3  # the cycle that standards measure
 LEAST_DAMPING = 0.05  # damping ratio of a loop in which a yield can be found; usual while elastic
+ROUNDING = 1e-9  # of a ratio
 SAME_LOOP = 0.01  # of K_eff D and K_eff D^2, by which force and energy of a loop may differ
 SAME_ENERGY = 0.01  # by which the energy of a bilinear loop may differ from that of a cycle
 MOST_STEPS = 5000  # in a quarter of a cycle, which a slow test of a large bearing would exceed
@@ -126,20 +127,36 @@ def first_loading(
 
 
 def backbone(
-    stiffness: float, energy: float, amplitude: float, kind: str = "LRB"
+    stiffness: float, energy: float, amplitude: float, kind: str = "LRB", *, smallest: bool = False
 ) -> BilinearParameters:
     """Return Q_d, K_2, K_1 from equivalent stiffness [kN/mm], loop area [kN mm] and amplitude [mm].
 
-    K_1/K_2 is that of the kind of bearing, or as much more (in steps of a quarter) as a fat loop
-    needs: with K_1 = 6.5 K_2 no bilinear loop has more than 28 % of damping.
+    K_1/K_2 is that of the kind of bearing, or as much more as a fat loop needs: with K_1 = 6.5 K_2
+    no bilinear loop has more than 28 % of damping. It is more in steps of a quarter, or by as
+    little as can be (`smallest`), as links of a bridge have it.
     """
     damping = energy / (2.0 * math.pi * stiffness * amplitude**2)
     ratio = 1.0 / post_yield_ratio(kind).K_2_over_K_1
     if not damping < FATTEST:
         raise InputError(f"no bilinear loop has a damping ratio of {damping:.2f}")
+    if smallest:
+        ratio = max(ratio, 1.0 / _largest_ratio(damping))
     while (parameters := solve_backbone(stiffness, damping, amplitude, 1.0 / ratio)) is None:
         ratio *= 1.25
     return parameters
+
+
+def _largest_ratio(damping: float) -> float:
+    """Return the largest K_2/K_1 of a bilinear loop with a damping ratio; see `solve_backbone`.
+
+    >>> solve_backbone(1.0, 0.3, 1.0, _largest_ratio(0.3)) is None
+    False
+    >>> solve_backbone(1.0, 0.3, 1.0, 1.001 * _largest_ratio(0.3)) is None
+    True
+    """
+    target = 0.5 * math.pi * damping
+    # Where the discriminant vanishes; less by rounding, so that it is not negative.
+    return (1.0 - 4.0 * target / (1.0 + target) ** 2) * (1.0 - ROUNDING)
 
 
 def stated_backbone(
@@ -196,7 +213,8 @@ def find_backbone(
         return loop, True
     if cycle.energy_kN_mm < 2.0 * math.pi * LEAST_DAMPING * size * amplitude:
         return None, False
-    return backbone(cycle.stiffness_kN_mm, cycle.energy_kN_mm, amplitude, bearing.kind), False
+    size_of_loop = (cycle.stiffness_kN_mm, cycle.energy_kN_mm, amplitude)
+    return backbone(*size_of_loop, bearing.kind, smallest=True), False
 
 
 def solve_backbone(
