@@ -39,7 +39,8 @@ def test_a_row_formats_numbers_and_says_its_unit_in_its_name(name: str) -> None:
 
 
 RESIDUALS = {
-    **dict.fromkeys(["mechanical_residual", "thermal_residual", "structure_residual"], 1e-12),
+    **dict.fromkeys(["mechanical_residual", "thermal_residual"], 1e-12),
+    **dict.fromkeys(["structure_residual", "element_residual"], 1e-12),
     **dict.fromkeys(["layer_force_mismatch_max", "layer_force_mismatch_max_kN"], 1e-10),
     "end_velocity_cm_s": 1e-10,
     "end_displacement_cm": 1e-10,
