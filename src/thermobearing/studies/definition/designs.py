@@ -286,7 +286,7 @@ class Levels:
 
 
 # Keys which are no part of ids while they are unstated.
-LATER_KEYS = ("state", "axial", "axial_factor", "devices", "p_delta")
+LATER_KEYS = ("state", "axial", "axial_factor", "devices", "p_delta", "hole", "plate_grading")
 RUN_BYTES = 8  # of the id of a run: ten million runs have a collision once in 400 000 studies
 
 
