@@ -35,7 +35,7 @@ NEED_IT = (
     "tests/verification/test_factors.py",
     "tests/verification/test_devices.py",
 )
-SKIPPED = 15 + 2 + 5 + 1 + 13 + 7 + 2 + 13 + 5 + 5 + 10 + 3 + 2 + 1 + 4
+SKIPPED = 17 + 2 + 5 + 1 + 13 + 10 + 2 + 13 + 5 + 5 + 10 + 3 + 2 + 1 + 4
 
 
 @pytest.fixture
