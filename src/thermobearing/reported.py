@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 
 from thermobearing.bearing.bilinear import BILINEAR, BilinearBearing
+from thermobearing.bearing.cells import Cells
 from thermobearing.bearing.library import BEARINGS
-from thermobearing.bearing.model import Bearing, Cells
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import flat, to_table
 from thermobearing.laws import built_in_laws

@@ -9,8 +9,9 @@ import pytest
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import SPECIMEN, changed_table, specimen_table, write_toml
+from thermobearing.bearing.cells import Cells
 from thermobearing.bearing.library import BEARINGS
-from thermobearing.bearing.model import Bearing, Cells, Material
+from thermobearing.bearing.model import Bearing, Material
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
 from thermobearing.commands.check import check_file

@@ -11,7 +11,8 @@ from tests.conftest import Recorder
 from tests.tolerances import CELLS_ENOUGH, CELLS_ESTIMATE
 from tests.unit.inputs import write_toml
 from tests.verification.models import changed
-from thermobearing.bearing.model import Bearing, Cells
+from thermobearing.bearing.cells import Cells
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.toml import read_toml
 from thermobearing.commands.check import cells_facts
 from thermobearing.cyclic.comparison import TOLERABLE, CellsError, cells_error

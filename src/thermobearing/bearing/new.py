@@ -4,8 +4,9 @@ import re
 from pathlib import Path
 from typing import Any
 
+from thermobearing.bearing.cells import Cells
 from thermobearing.bearing.compound import Compound, as_compound
-from thermobearing.bearing.model import Bearing, Cells, Geometry
+from thermobearing.bearing.model import Bearing, Geometry
 from thermobearing.bearing.scaling import RULES, Cores, build_bearing, extract_compound
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from thermobearing.bearing.model import Bearing, Cells
+from thermobearing.bearing.cells import Cells
+from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, nearest
 from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict
