@@ -16,7 +16,8 @@ from thermobearing.opensees.result import ServedResult
 from thermobearing.results.directory import BEARINGS, DATASET, IDENTIFIED, PARTS
 from thermobearing.results.saved import SavedResult, is_saved, read_dataset, read_saved
 from thermobearing.sequences.result import SequenceResult, load_sequence
-from thermobearing.studies.result import StudyResult, is_study, study_result
+from thermobearing.studies.result import StudyResult, study_result
+from thermobearing.studies.store import is_study
 
 POOR_FIT = "poor_fit"
 WITH_DATASET = {"cyclic", "bridge", "hybrid", "sequence", "serve"}  # commands

@@ -84,3 +84,9 @@ def drawn(**design: Any) -> StudyResult:
 
 
 SITE = "PGA [m/s^2],return_period [year]\n0.05,2\n1,20\n5,400\n10,2000\n20,20000\n"
+
+
+def legend_labels(figure: Any) -> list[str]:
+    """Return the names in the legend of a figure, without what follows a comma."""
+    (legend,) = figure.legends
+    return [text.get_text().split(",")[0] for text in legend.get_texts()]

@@ -1,5 +1,6 @@
 """Figures of a study draw the curves that there are, and name those that there are not."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,11 +9,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from tests import tolerances
-from tests.unit.made_up_study import ask, beyond_limit, drawn, made_up
+from tests.unit.made_up_study import ask, beyond_limit, drawn, legend_labels, made_up
 from thermobearing.results import drawing
+from thermobearing.studies import figures as study_figures
+from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics import fragility
-from thermobearing.studies.statistics.demand import counted, demand_against, quantile
+from thermobearing.studies.statistics.demand import ANY, counted, demand_against, quantile
 from thermobearing.studies.statistics.fragility import fragility_curve
 from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
 
@@ -326,3 +329,42 @@ def test_too_few_intensities_with_both_outcomes_are_named(shares: list[int], mix
     assert bool(curve.few_mixed) == bool(mixed)
     if mixed:
         assert curve.few_mixed.startswith("2 intensities")
+
+
+def test_a_demand_is_computed_once_for_tables_sentences_and_figures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Its bootstrap takes seconds with a million runs; each caller has its own copy."""
+    keys: list[tuple[Any, ...]] = []
+
+    def recorded(table: pd.DataFrame, demand: str, across: str, **options: Any) -> pd.DataFrame:
+        keys.append((demand, across, *options.values()))
+        return demand_against(table, demand, across, **options)
+
+    monkeypatch.setattr("thermobearing.studies.result.demand_against", recorded)
+    result = beyond_limit().parts()["shen-hdr-bridge"]
+    result.tables()
+    result.notes()
+    result.plot.demand()
+    assert len(keys) == len(set(keys)) >= 2
+    before = result.demand()["0.5"].tolist()
+    changed = result.demand()
+    changed["0.5"] = -1.0
+    assert result.demand()["0.5"].tolist() == before
+
+
+def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
+    """Where runs fail at every temperature, no mean is finite; at all but one, it is a mark."""
+    table = made_up().demand()
+    runs = counted(made_up().table, made_up().demand_name, capacity=ANY)
+    draw = partial(study_figures._draw_demand, result=made_up(), across=AMBIENT, runs=runs)
+    assert "mean" in legend_labels(draw(table))
+    table["mean"] = [1.0, *[np.inf] * (len(table) - 1)]  # in the first of two panels
+    figure = draw(table)
+    lines = {str(line.get_label()).split(",")[0]: line for line in figure.axes[0].lines}
+    assert lines["mean"].get_marker() == "_"
+    table[["mean", "0.95"]] = np.inf
+    labels = legend_labels(draw(table))
+    assert "mean" not in labels
+    assert "5 to 95 %" not in labels
+    assert "16 to 84 % of runs" in labels

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from matplotlib.figure import Figure
 from numpy.testing import assert_allclose
 from typer.testing import CliRunner
 
@@ -26,6 +25,7 @@ from tests.unit.made_up_study import (
     ask,
     beyond_limit,
     drawn,
+    legend_labels,
     made_up,
 )
 from thermobearing.bearing.model import TemperatureLaw
@@ -39,7 +39,7 @@ from thermobearing.report.template import document
 from thermobearing.results import drawing
 from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.case import make_study
-from thermobearing.studies.definition.designs import AMBIENT, Plan
+from thermobearing.studies.definition.designs import Plan
 from thermobearing.studies.question import (
     Question,
     change_question,
@@ -50,7 +50,7 @@ from thermobearing.studies.report import _input_tables, build_pieces
 from thermobearing.studies.result import StudyResult, study_result
 from thermobearing.studies.run.engine import repeat_run
 from thermobearing.studies.run.prepare import Preparer
-from thermobearing.studies.statistics.demand import in_classes, worst_runs
+from thermobearing.studies.statistics.demand import ANY, counted, in_classes, worst_runs
 from thermobearing.studies.statistics.hazard import Hazard
 from thermobearing.studies.tables import result_tables
 
@@ -332,27 +332,6 @@ def test_the_inputs_state_how_factors_are_defined() -> None:
     assert "paired" not in dict(_input_tables(made_up())["design"].rows)
 
 
-def legend_labels(figure: Figure) -> list[str]:
-    (legend,) = figure.legends
-    return [text.get_text().split(",")[0] for text in legend.get_texts()]
-
-
-def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
-    """Where runs fail at every temperature, no mean is finite; at all but one, it is a mark."""
-    table = made_up().demand()
-    draw = partial(study_figures._draw_demand, result=made_up(), across=AMBIENT, note="")
-    assert "mean" in legend_labels(draw(table))
-    table["mean"] = [1.0, *[np.inf] * (len(table) - 1)]  # in the first of two panels
-    figure = draw(table)
-    lines = {str(line.get_label()).split(",")[0]: line for line in figure.axes[0].lines}
-    assert lines["mean"].get_marker() == "_"
-    table[["mean", "0.95"]] = np.inf
-    labels = legend_labels(draw(table))
-    assert "mean" not in labels
-    assert "5 to 95 %" not in labels
-    assert "16 to 84 % of runs" in labels
-
-
 def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -> None:
     shares = made_up().variance()
     draw = partial(study_figures._draw_variance, counts=made_up().lost_demands().sentence)
@@ -385,7 +364,8 @@ def test_the_median_of_the_demand_is_inside_its_panel() -> None:
     result = ask(made_up(), capacity=1e-6)
     demand = result.demand()
     collapsed = demand.assign(**{"0.84": np.inf, "0.95": np.inf, "mean": np.inf})
-    for ax in figures._draw_demand(collapsed, result, "ambient_degC", "").axes:
+    runs = counted(result.table, result.demand_name, capacity=ANY)
+    for ax in figures._draw_demand(collapsed, result, "ambient_degC", runs).axes:
         assert ax.get_ylim()[1] > demand["0.5"].max()
 
 

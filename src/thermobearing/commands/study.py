@@ -114,8 +114,8 @@ def _run(
 
 def _announce_resuming(target: Path, quiet: bool) -> None:
     """Say how much of a study is there already."""
-    from thermobearing.studies.result import is_study
     from thermobearing.studies.run.engine import study_status
+    from thermobearing.studies.store import is_study
 
     if not quiet and is_study(target):
         status = study_status(target)

@@ -20,6 +20,7 @@ from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import (
     ANY,
+    Counted,
     counted,
     describe_failures,
     equal_classes,
@@ -65,7 +66,9 @@ def _note_below(figure: Figure, text: str) -> None:
     figure.supxlabel(_wrapped(figure, text), x=0.02, **look)
 
 
-def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, note: str) -> Figure:
+def _draw_demand(
+    quantiles: "pd.DataFrame", result: StudyResult, across: str, runs: Counted
+) -> Figure:
     demand, by, capacity = result.demand_name, result.things, result.question.capacity or np.nan
     groups = quantiles.groupby(list(by), sort=False, observed=True) if by else [((), quantiles)]
     cells = [(label, rows) for label, rows in groups]
@@ -81,7 +84,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
         x = rows[across].to_numpy(dtype=float)
         for low, high, alpha, words_ in BANDS:
             ends = rows[low].to_numpy(dtype=float), rows[high].to_numpy(dtype=float)
-            words_ += _where_finite(quantiles[high], 1.0 - float(high), result)
+            words_ += _where_finite(quantiles[high], 1.0 - float(high), runs)
             # Where collapses make either end infinite there is no band.
             if _continues(np.add(*ends)):
                 ax.fill_between(x, *ends, color=COLOUR, alpha=alpha, linewidth=0, label=words_)
@@ -101,7 +104,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
             # A single temperature without failures has a mark in place of a line.
             marker = "" if _continues(mean) else "_"
             dashed: drawing.Look = {"color": drawing.INK, "linewidth": 0.9, "linestyle": "--"}
-            where = _where_finite(quantiles["mean"], 0.0, result)
+            where = _where_finite(quantiles["mean"], 0.0, runs)
             ax.plot(x, mean, marker=marker, label=f"mean{where}", **dashed)
         if np.isfinite(capacity):
             ax.axhline(capacity, label="capacity", **drawing.LIMIT)
@@ -118,7 +121,7 @@ def _draw_demand(quantiles: "pd.DataFrame", result: StudyResult, across: str, no
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
     pooled = pooled_words(result).removeprefix(", ")
-    _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, [pooled, note])))
+    _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, [pooled, runs.sentence])))
     return figure
 
 
@@ -128,11 +131,11 @@ def _continues(values: Floats) -> bool:
     return bool((finite[1:] & finite[:-1]).any())
 
 
-def _where_finite(values: "pd.Series", share: float, result: StudyResult) -> str:
+def _where_finite(values: "pd.Series", share: float, runs: Counted) -> str:
     """Return where a line is drawn, if failed runs end it: "", or ", where no run failed"."""
     if not np.isinf(values.to_numpy(dtype=float)).any():
         return ""
-    if counted(result.table, result.demand_name, result.question.failed, ANY).larger:
+    if runs.larger:
         return ", where it is known"  # runs that stopped have an unknown demand
     return f", where less than {100 * share:g} % failed" if share else ", where no run failed"
 
@@ -437,8 +440,8 @@ class StudyFigures(drawing.Figures):
         names = ["mean", *(name for name in map(str, quantiles) if name.startswith("0."))]
         quantiles[names] = quantiles[names].where(quantiles[names] == least[names], np.inf)
         quantiles["median_low"] = least["median_low"]
-        note = counted(result.table, demand, failed, ANY).sentence
-        return _draw_demand(quantiles, result, across, note)
+        runs = counted(result.table, demand, failed, ANY)
+        return _draw_demand(quantiles, result, across, runs)
 
     def ida(self) -> Figure:
         """Draw IDA curves of motions with their fractiles; a panel for each temperature."""

@@ -1,7 +1,7 @@
 """Result of a parameter study, and its post-processing options (question.toml)."""
 
 import shlex
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, Unpack
@@ -13,7 +13,6 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError, nearest, short_repr
 from thermobearing.border.lazy import pd
-from thermobearing.border.opener import is_file
 from thermobearing.climate.hourly import Hourly
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
@@ -75,7 +74,7 @@ from thermobearing.studies.statistics.variance import (
     variance_shares,
     wide_note,
 )
-from thermobearing.studies.store import MANIFEST, STUDY, Store
+from thermobearing.studies.store import Store
 from thermobearing.studies.tables import answer, column_words, find_unit, result_tables
 
 FACES = ("upper_face", "lower_face", "side")
@@ -83,7 +82,6 @@ FACES = ("upper_face", "lower_face", "side")
 
 LAW_FILE = "FILE.py"  # to be replaced by the reader
 NUMBERS = ("scale", AMBIENT, HOUR)
-MEDIAN_DIFFERENCE = 0.02  # of a median, from which both treatments of failed runs are stated
 
 
 @checked
@@ -121,6 +119,7 @@ class StudyResult(Result):
         self.directory, self.question = Path(directory), question or Question()
         self._parts: tuple[Question, dict[str, StudyResult]] | None = None
         self._curve_cache: tuple[Question, dict[Any, Fragility], Fragility | None] | None = None
+        self._statistics: dict[Hashable, pd.DataFrame] = {}
 
     @property
     def runs(self) -> int:
@@ -285,10 +284,17 @@ class StudyResult(Result):
         least : bool
             Lower bounds instead: runs that stopped count with their last values.
         """
-        by = tuple(self.things if by is None else by)
-        return demand_against(
-            self.table, demand or self.default_demand, across, by=by, failed=failed, least=least
+        by, name = tuple(self.things if by is None else by), demand or self.default_demand
+        return self._once(
+            ("demand", name, across, by, failed, least),
+            lambda: demand_against(self.table, name, across, by=by, failed=failed, least=least),
         )
+
+    def _once(self, key: tuple[Any, ...], compute: Callable[[], "pd.DataFrame"]) -> "pd.DataFrame":
+        """Return a copy of statistics computed once; of a million runs they take seconds."""
+        if key not in self._statistics:
+            self._statistics[key] = compute()
+        return self._statistics[key].copy()
 
     def ida(self, demand: str | None = None, *, failed: Failed = COMPUTED) -> Ida:
         """Return IDA curves, one for each combination of the factors except the scale.
@@ -512,13 +518,12 @@ class StudyResult(Result):
             with suppress(InputError):  # too few runs are left for a regression
                 other_curves = others.all_curves()
             for name in curves:
-                curve = other_curves.get(name)
-                median = curve.median if curve is not None and curve.has_median else np.nan
+                median = other_curves[name].stated_median if name in other_curves else np.nan
                 medians.setdefault(name, {})[treatment] = median
         return {
             name: others
             for name, others in medians.items()
-            if any(_differs(curves[name], median) for median in others.values())
+            if any(curves[name].differs_from(median) for median in others.values())
         }
 
     def _rubber(self) -> Any:
@@ -593,6 +598,9 @@ class StudyResult(Result):
             Column; `default_demand` by default.
         """
         name = demand or self.default_demand
+        return self._once(("variance", name), lambda: self._variance(name))
+
+    def _variance(self, name: str) -> "pd.DataFrame":
         if self._has_sobol_design:
             indices = sobol_table(self.table, name)
             return indices.assign(factor=indices["factor"].replace(HOUR, AMBIENT))
@@ -674,18 +682,6 @@ class StudyResult(Result):
         (folder / RESOLVED).write_text(self.study.to_toml(), encoding="utf-8")
         names = list(self.table.select_dtypes("category"))
         write_csv(folder / TABLE, self.table.astype(dict.fromkeys(names, object)))
-
-
-def _differs(curve: Fragility, median: float) -> bool:
-    """Return whether another median, NaN for none, differs noticeably from that of a curve."""
-    if not curve.has_median or np.isnan(median):
-        return curve.has_median or bool(np.isfinite(median))
-    return abs(median - curve.median) > MEDIAN_DIFFERENCE * curve.median
-
-
-def is_study(path: str | Path) -> bool:
-    """Return whether a directory is that of a study."""
-    return is_file(Path(path) / MANIFEST) and is_file(Path(path) / STUDY)
 
 
 def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:

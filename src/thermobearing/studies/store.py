@@ -30,7 +30,14 @@ import numpy as np
 import thermobearing
 from thermobearing.border.errors import InputError, OutputError, short_repr, shortened
 from thermobearing.border.lazy import pd
-from thermobearing.border.opener import LARGEST_STORE, append_text, opened, read_bytes, read_json
+from thermobearing.border.opener import (
+    LARGEST_STORE,
+    append_text,
+    is_file,
+    opened,
+    read_bytes,
+    read_json,
+)
 from thermobearing.border.text_file import replacing, write_file, write_whole
 from thermobearing.border.toml import flat
 from thermobearing.core.compiled.sources import kernels_digest
@@ -225,6 +232,11 @@ def _shard_size(runs: int, lockstep: bool = False) -> int:
     """Return the number of runs of a shard, a multiple of 16 that fills the lanes in lockstep."""
     share = -(-runs * (4 if lockstep else 1) // SHARES)
     return min(-(-max(1, share) // FEWEST) * FEWEST, MOST)
+
+
+def is_study(path: str | Path) -> bool:
+    """Return whether a directory is that of a study."""
+    return is_file(Path(path) / MANIFEST) and is_file(Path(path) / STUDY)
 
 
 def _history_file(shard: int) -> str:

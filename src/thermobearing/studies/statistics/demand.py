@@ -280,11 +280,8 @@ def counted(
         raise InputError(f"failed must be {choices}, not {failed!r}")
     values = _numbers(table, demand)
     completed = np.ones(len(table), dtype=bool)
-    exceeding, computed, stopped = (
-        ~completed,
-        ~completed,
-        ~completed,
-    )  # runs that exceed every level of this demand
+    # `exceeding` are runs that exceed every level of this demand.
+    exceeding = computed = stopped = ~completed
     if OUTCOME in table:
         completed = table[OUTCOME].isin(WITH_NUMBERS).to_numpy(dtype=bool)
         modes = (UNSTABLE, PIER_BEYOND_LIMIT) if is_of_pier(demand) else (UNSTABLE,)

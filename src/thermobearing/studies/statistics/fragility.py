@@ -67,6 +67,7 @@ from thermobearing.studies.statistics.likelihood import (
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 LEAST_BEYOND = 3  # exceedances; our choice: fewer determine no median
 LEAST_MIXED = 3  # intensities with both outcomes, of which a dispersion says something
+MEDIAN_DIFFERENCE = 0.02  # of a median, from which both treatments of failed runs are stated
 COARSE = 2.0  # ratio of intensities around a capacity, in logarithms, over the dispersion
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
 WITH_COLLAPSE = (
@@ -231,6 +232,17 @@ class Fragility:
     def has_median(self) -> bool:
         """Whether there is a curve whose median is a result."""
         return self.is_drawable and not self.beyond_levels
+
+    @property
+    def stated_median(self) -> float:
+        """The median; NaN where it is no result."""
+        return self.median if self.has_median else np.nan
+
+    def differs_from(self, median: float) -> bool:
+        """Return whether another `stated_median` differs noticeably from that of the curve."""
+        if not self.has_median or np.isnan(median):
+            return self.has_median or bool(np.isfinite(median))
+        return abs(median - self.median) > MEDIAN_DIFFERENCE * self.median
 
     @property
     def coarse(self) -> str:
