@@ -90,6 +90,7 @@ def try_links(results: Mapping[str, "EarthquakeResult"], lines: "pd.DataFrame") 
         case = make_earthquake_case(table, "result")
         devices = {str(item["name"]): load_device(item) for item in list_bearing_tables(table)}
         thickness = {name: device.total_rubber_thickness for name, device in devices.items()}
+        coupled_peaks = _line_peaks(coupled)
         # Links of bilinear bearings alone are these bearings.
         layered = group.groupby(["bearing", "ambient_degC"])["rubber"].transform("max") != ""
         for heated, rows in _sets_of_links(group[layered]):
@@ -100,31 +101,25 @@ def try_links(results: Mapping[str, "EarthquakeResult"], lines: "pd.DataFrame") 
                 reasons.append(error.problems[0])
                 continue
             runs += linked.runs
-            frames.append(_compared(coupled, linked, rows, heated=heated))
+            frames.append(_compared(coupled_peaks, _line_peaks(linked), rows, heated=heated))
     compared = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
     return Trials(compared, runs, list(dict.fromkeys(reasons)))
-
-
-def shortfalls(rows: "pd.DataFrame") -> list[tuple[str, dict[Any, Any]]]:
-    """Return the peaks that links understate by more than 5 %, with the row where by most."""
-    peaks = []
-    for peak_name, _ in PEAKS.values():
-        short = rows[rows[f"{peak_name}_ratio"] < 1.0 - SHORTFALL]
-        if len(short):
-            place = place_of_least(short[f"{peak_name}_ratio"])
-            peaks.append((peak_name, short.iloc[place].to_dict()))
-    return peaks
 
 
 def shortfall_note(rows: "pd.DataFrame") -> str:
     """Return by how much links understate peaks of the coupled analysis, as a sentence; else empty.
 
-    `rows` are those of one line, or of all lines of a set of links.
+    `rows` are those of one line, or of all lines of a set of links. Of each peak that is more than
+    5 % too small the line counts where it is smallest.
     """
     phrases = []
-    for peak_name, row in shortfalls(rows):
-        unit = next(unit for name, unit in PEAKS.values() if name == peak_name)
-        with_links, coupled, ratio = (row[name] for name in trial_columns(peak_name, unit))
+    for peak_name, unit in PEAKS.values():
+        names = trial_columns(peak_name, unit)
+        short = rows[rows[names[-1]] < 1.0 - SHORTFALL]
+        if short.empty:
+            continue
+        row = short.iloc[place_of_least(short[names[-1]])]
+        with_links, coupled, ratio = (row[name] for name in names)
         phrases.append(
             f"{100.0 * (1.0 - ratio):.0f} % less {peak_name.replace('_', ' ')} than the "
             f"coupled analysis ({row['line']}: {number_text(with_links)} instead of "
@@ -217,14 +212,9 @@ def _link(
 
 
 def _compared(
-    coupled: "EarthquakeResult",
-    linked: "EarthquakeResult",
-    rows: "pd.DataFrame",
-    *,
-    heated: bool,
+    moved: "pd.DataFrame", moved_with_links: "pd.DataFrame", rows: "pd.DataFrame", *, heated: bool
 ) -> "pd.DataFrame":
-    """Return peaks of the lines of a set with links and of the coupled analysis."""
-    moved, moved_with_links = _line_peaks(coupled), _line_peaks(linked)
+    """Return the design peaks of a set of links, of the lines `moved` in each analysis."""
     compared = []
     for row in rows.to_dict("records"):
         keys = ["bearing", "line", "line_bearing", "state", "rubber", "ambient_degC", "bound"]
