@@ -576,7 +576,7 @@ class Bearing(Sourced):
             raise ValueError(f"a {self.kind} bearing needs the tables lead and materials.lead")
         if not with_lead and self.lead is not None:
             raise ValueError('kind "HDR" has no lead; use "LHDR" or "LRB"')
-        if self.lead is not None and getattr(self.geometry.plan, "hole", None) is not None:
+        if self.lead is not None and self.geometry.plan.inner_perimeter > 0.0:
             raise ValueError("geometry.plan.hole: a bearing with lead cores has no open hole")
         if self.lead_area >= self.area:
             raise ValueError(

@@ -21,11 +21,10 @@ from thermobearing.cyclic.protocol import cyclic_test
 from thermobearing.model.earlier import BilinearParameters, without_heating
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.model.stack import EndFace
-from thermobearing.results.metrics import CycleMeasures, measure_cycle
+from thermobearing.results.metrics import THIRD_CYCLE, CycleMeasures, measure_cycle
 
 DESIGN_STRAIN = 1.75  # usual in Japanese qualification tests
 FATTEST = 0.6  # damping ratio; 2/pi = 0.64 is that of a rectangle
-CYCLE = 3  # the cycle that standards measure
 LEAST_DAMPING = 0.05  # damping ratio of a loop in which a yield can be found; usual while elastic
 ROUNDING = 1e-9  # of a ratio
 SAME_LOOP = 0.01  # of K_eff D and K_eff D^2, by which force and energy of a loop may differ
@@ -54,7 +53,7 @@ def bilinear_parameters(
     strain: float = DESIGN_STRAIN,
     speed: float = 30.0,
     temperature: float | None = None,
-    cycle: int = CYCLE,
+    cycle: int = THIRD_CYCLE,
 ) -> BilinearParameters:
     """Return the bilinear model with the equivalent stiffness and the loop area of a bearing.
 
@@ -74,7 +73,7 @@ def isothermal_cycle(
     strain: float,
     speed: float = 30.0,
     temperature: float | None = None,
-    cycle: int = CYCLE,
+    cycle: int = THIRD_CYCLE,
     lead: float | None = None,
 ) -> CycleMeasures:
     """Return the measures of a cycle, the third by default, of a bearing that does not warm.
@@ -120,7 +119,7 @@ def first_loading(
     would lower displacements and forces. Arguments are those of `isothermal_cycle`.
     """
     first = isothermal_cycle(bearing, strain, speed, temperature, 1, lead)
-    third = isothermal_cycle(bearing, strain, speed, temperature, CYCLE, lead)
+    third = isothermal_cycle(bearing, strain, speed, temperature, THIRD_CYCLE, lead)
     largest = max(abs(first.force_max_kN), abs(first.force_min_kN))
     stiffness = largest / first.amplitude_mm
     return replace(first, stiffness_kN_mm=stiffness, energy_kN_mm=third.energy_kN_mm)
@@ -201,7 +200,7 @@ def find_backbone(
         beyond = DESIGN_STRAIN * bearing.total_rubber_thickness
         same_period = speed * beyond / amplitude
         larger = isothermal_cycle(
-            bearing, DESIGN_STRAIN, same_period, temperature, cycle=CYCLE, lead=lead
+            bearing, DESIGN_STRAIN, same_period, temperature, cycle=THIRD_CYCLE, lead=lead
         )
         loop = stated_backbone(bearing, larger, beyond)
         if loop is not None and not (

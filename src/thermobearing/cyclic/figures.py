@@ -145,11 +145,13 @@ class TimeAxis(DrawnAxis):
 
         Those of closing cycles only, or without them.
         """
-        numbers = [n for s in self.stretches if not s.rest for n in range(s.first, s.last + 1)]
-        chosen = [n for n in numbers if (self._kinds[n] == CLOSING) == closing]
-        first_of = [n for n in chosen if n - 1 not in chosen]
-        last_of = [n for n in chosen if n + 1 not in chosen]
-        slices = [self._inside(run, *ends) for ends in zip(first_of, last_of, strict=True)]
+        slices = []
+        for stretch in self.stretches:
+            segments = range(stretch.first, stretch.last + 1) if not stretch.rest else ()
+            for is_closing, group in groupby(segments, lambda n: self._kinds[n] == CLOSING):
+                if is_closing == closing:
+                    numbers = list(group)
+                    slices.append(self._inside(run, numbers[0], numbers[-1]))
         return [inside for inside in slices if inside != NOTHING]
 
     def _loading_ends(self) -> list[tuple[int, str]]:

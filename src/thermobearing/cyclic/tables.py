@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.border.lazy import pd
 from thermobearing.cyclic.comparison import comparison_table
-from thermobearing.cyclic.equivalent import CYCLE, DESIGN_STRAIN
+from thermobearing.cyclic.equivalent import DESIGN_STRAIN
 from thermobearing.cyclic.result import Result, run_name
 from thermobearing.quantities.governing import place_of_least
 from thermobearing.quantities.register import MINUS, Quantity, quantity
@@ -74,7 +74,7 @@ def measured_cycle_table(result: Result) -> Table | None:
     strain = float(strains[place_of_least(np.abs(strains - DESIGN_STRAIN))])
     # The design strain, or the amplitude of this test that is nearest to it.
     nearest_cycles = cycles[np.abs(strains - strain) <= (1.0 - SAME_AMPLITUDE) * strain]
-    cycle = min(CYCLE, int(nearest_cycles["cycle"].max()))
+    cycle = min(THIRD_CYCLE, int(nearest_cycles["cycle"].max()))
     frame = nearest_cycles[nearest_cycles["cycle"] == cycle].drop_duplicates("ambient_degC")
     warmest = frame.loc[frame["ambient_degC"] == frame["ambient_degC"].max(), "G_eq_MPa"].iloc[0]
     frame = frame.assign(G_eq_ratio=frame["G_eq_MPa"] / warmest)

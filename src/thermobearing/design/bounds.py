@@ -15,7 +15,6 @@ from thermobearing.border.lazy import pd
 from thermobearing.border.toml import to_table
 from thermobearing.border.units import number_list
 from thermobearing.cyclic.equivalent import (
-    CYCLE,
     DESIGN_STRAIN,
     backbone,
     bilinear_parameters,
@@ -27,6 +26,7 @@ from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.earlier import BilinearParameters
 from thermobearing.motions.library import list_motions
 from thermobearing.quantities.governing import order_from_least, place_of_largest, place_of_least
+from thermobearing.results.metrics import THIRD_CYCLE
 
 DEMANDS = {  # column of the study's table: title of the panel
     "bearing_strain_max": "bearing strain",
@@ -51,11 +51,11 @@ def first_motions() -> list[str]:
 
 
 def _bound(
-    bearing: Bearing, name: str, temperature: float, strain: float, cycle: int = CYCLE
+    bearing: Bearing, name: str, temperature: float, strain: float, cycle: int = THIRD_CYCLE
 ) -> BilinearBearing:
     """Return the bilinear model of a bearing soaked at a temperature, without heating."""
     model = bilinear_parameters(bearing, strain=strain, temperature=temperature, cycle=cycle)
-    ordinal = "third" if cycle == CYCLE else "first"
+    ordinal = "third" if cycle == THIRD_CYCLE else "first"
     return BilinearBearing(
         name=name,
         description=f"{bearing.name} at {temperature:g} degC and {strain:.0%}, {ordinal} cycle",
@@ -121,7 +121,7 @@ def bounds_study(
     bounds = [_bound(rubber, "lower", warm, strain), _bound(rubber, "upper", cold, strain)]
     # The first cycle of virgin rubber in the cold is the stiffest, the third one of tested rubber
     # at the warmest temperature the softest.
-    conditions = (cold, strain, FIRST) if other_state.share else (warm, strain, CYCLE)
+    conditions = (cold, strain, FIRST) if other_state.share else (warm, strain, THIRD_CYCLE)
     bounds.append(_bound(in_state(bearing, other_state), other_state.rubber, *conditions))
     # The bilinear models run at one temperature: they do not depend on it.
     bilinear_case = make_earthquake_case(

@@ -271,12 +271,8 @@ def _certified_warnings(warnings: Sequence[str]) -> list[str]:
     shown = [_certified_warning(text) for text in texts]
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
-    shortened = sum(short != text for short, text in zip(shown, texts, strict=True))
-    rest += (
-        [f"the full text of {'this warning' if len(shown) == 1 else 'these warnings'}"]
-        if shortened
-        else []
-    )
+    if shown != texts:
+        rest.append(f"the full text of {'this warning' if len(shown) == 1 else 'these warnings'}")
     return [*shown, f"The file report.html has {joined(rest)}."] if rest else shown
 
 

@@ -220,12 +220,11 @@ def parameters_table(summary: Row, names: Sequence[str] | None = None) -> Table:
         }
         for key, item in summary["parameters"].items()
     ]
-    note = "Standard errors include the uncertainty of the parameters that are held. Intervals "
-    note += (
-        "are 1.96 of them to each side, and wider where an uncertainty is itself known from few "
+    note = (
+        "Standard errors include the uncertainty of the parameters that are held. Intervals are "
+        "1.96 of them to each side, and wider where an uncertainty is itself known from few "
+        f"degrees of freedom (Student's distribution). {_correlated(summary)}"
     )
-    note += "degrees of freedom (Student's distribution). "
-    note += _correlated(summary)
     caption = "Identified parameters"
     return make_table(pd.DataFrame(rows), names, caption, keys=2, note=note, keep_keys=True)
 
@@ -304,9 +303,9 @@ def cycles_table(cycles: "pd.DataFrame") -> Table:
     remaining = len(cycles) - len(frame)
     note = (
         "K_eq and h_eq follow Eq. 3.1 and 3.2. The displacement is half the range of the samples "
+        "of a cycle, between two of which a motion may turn; the model follows the measured "
+        f"displacement. {CLOSING}"
     )
-    note += "of a cycle, between two of which a motion may turn; "
-    note += f"the model follows the measured displacement. {CLOSING}"
     note += f" {remaining} more cycles are in cycles.csv." if remaining else ""
     heads = dict.fromkeys(("K_eq_error", "h_eq_error", "energy_error"), "error")
     return make_table(

@@ -330,9 +330,8 @@ def closed_loop(d: Floats, f: Floats, cycle: FoundCycle) -> tuple[Floats, Floats
     rows = slice(cycle.first, (cycle.moving if cycle.ends == "rest" else cycle.last) + 1)
     d, f = cut_at_zeros(d[rows], f[rows])
     if cycle.ends == "rest" and d[-1] != 0.0:
-        before_end = cycle.side * (
-            d[-1] - d
-        )  # distance from the last point, of the second excursion
+        # Distance from the last point, towards the side of the second excursion.
+        before_end = cycle.side * (d[-1] - d)
         far_points = np.flatnonzero(before_end >= STRAIGHT * float(np.abs(d).max()))
         slope = 0.0
         if len(far_points):

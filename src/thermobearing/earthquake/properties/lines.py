@@ -30,7 +30,6 @@ from thermobearing.border.schema import validated
 from thermobearing.border.toml import read_toml
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.equivalent import (
-    CYCLE,
     find_backbone,
     first_loading,
     isothermal_cycle,
@@ -49,7 +48,7 @@ from thermobearing.model.earlier import BilinearParameters
 from thermobearing.model.element import initial_stiffness
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
-from thermobearing.results.metrics import CycleMeasures
+from thermobearing.results.metrics import THIRD_CYCLE, CycleMeasures
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
@@ -308,7 +307,7 @@ def _properties(
     Upper values of rubber that is stiffer while virgin are those of the first cycle. `lead` is the
     temperature of the lead in the runs, where it warms [degC].
     """
-    kind, cycle_number, over_scragged = "", CYCLE, 1.0
+    kind, cycle_number, over_scragged = "", THIRD_CYCLE, 1.0
     loop: BilinearParameters | None
     heated: dict[str, float] = dict.fromkeys(HEATED_COLUMNS, math.nan)
     if isinstance(device, BilinearBearing):
@@ -329,7 +328,7 @@ def _properties(
         kind = "" if is_stated or loop is None else device.kind
         if device.scragging is not None:
             scragged = in_state(device, RubberState(rubber="tested"))
-            if cycle_number != CYCLE or scragged != device:
+            if cycle_number != THIRD_CYCLE or scragged != device:
                 third = isothermal_cycle(scragged, strain, speed, temperature)
                 over_scragged = stiffness / third.stiffness_kN_mm
         if lead is not None:

@@ -304,14 +304,14 @@ def _with_imitations(linear: Linear, uncertainty: "Uncertainty") -> "Uncertainty
     """Return the uncertainty whose evidence knows which changes a cause of the misfit imitates."""
     causes = uncertainty.suspects
 
-    def _beside(item: Evidence, cause: Evidence) -> Evidence:
+    def _with_cause_free(item: Evidence, cause: Evidence) -> Evidence:
         """Return the evidence on a group with the values of a cause free as well."""
         both = np.column_stack([item.columns, linear.residuals])
         part = both - cause.columns @ np.linalg.lstsq(cause.columns, both, rcond=None)[0]
         return _weigh(linear, item.group, part[:, :-1], part[:, -1])
 
     evidence = tuple(
-        replace(item, imitated=not all(_beside(item, cause).beyond for cause in others))
+        replace(item, imitated=not all(_with_cause_free(item, cause).beyond for cause in others))
         if item.beyond and (others := [c for c in causes if c.group != item.group])
         else item
         for item in uncertainty.assumed.evidence
