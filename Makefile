@@ -28,7 +28,7 @@ help:
 	@echo "make test-minimum   run the unit tests with the lowest versions of all dependencies"
 	@echo "make fuzz   test hostile input with 100 000 examples (FUZZ=motions: a part)"
 	@echo "make mutants  insert small errors into the code and check that tests fail (RANDOM=40 SEED=1: random ones)"
-	@echo "make bench  measure speed, accuracy and memory, compare them with their targets, and times with those of the last release, built beside (BENCH='--only releases': that alone)"
+	@echo "make bench  measure speed, accuracy and memory, compare them with their targets, and times with those of the last release, built for comparison (BENCH='--only releases': that alone)"
 	@echo "make lint   run ruff, mypy, import contracts, vocabulary, and types of the JavaScript (with npm)"
 	@echo "make docs   regenerate every number and figure in README and docs"
 	@echo "make reproduce  reproduce Shen (2023), with a verdict on each claim, into ./reproduced"

@@ -7,16 +7,20 @@ calls: these names have stayed since 0.2.0. What a release did not have yet is l
 import json
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from benchmarks.specimen import step_microseconds
+
+if TYPE_CHECKING:
+    from thermobearing.model.constants import LeadEnds
 
 LEAD = "shen-lhdr-specimen"
 REPEATS = 15
 
 
-def step(name: str, lead_ends: str) -> float:
+def step(name: str, lead_ends: "LeadEnds") -> float:
     """Return the fastest time of a coupled step over Table 3.4 at -20 degC [us]."""
-    return step_microseconds(-20.0, REPEATS, name, lead_ends)[0]  # type: ignore[arg-type]
+    return step_microseconds(-20.0, REPEATS, name, lead_ends)[0]
 
 
 def pier() -> float:

@@ -1,4 +1,4 @@
-"""Earlier releases beside the present: the same calculations in each, by turns on one machine.
+"""Earlier releases compared with the present: the same calculations by turns on one machine.
 
 Releases are taken from the history of git into build/releases and, like the present, compiled by
 numba for this machine, which takes some minutes the first time. Version 0.2.0 stays as an anchor,

@@ -29,7 +29,7 @@ def test_browser_and_python_agree(chromium: Any) -> None:
     except tb.InputError as error:
         pytest.skip(str(error))
     runner = Path(cases.__file__).with_name("live_cases.mjs").read_text(encoding="utf-8")
-    given = [
+    arguments = [
         live.engine_source(),
         runner,
         module,
@@ -37,7 +37,7 @@ def test_browser_and_python_agree(chromium: Any) -> None:
         list(cases.CASES.values()),
     ]
     page = chromium.new_page()
-    computed = json.loads(page.evaluate(SCRIPT, given))
+    computed = json.loads(page.evaluate(SCRIPT, arguments))
     page.close()
     cases.assert_alike(computed["results"])
     assert computed["grown"] == 0

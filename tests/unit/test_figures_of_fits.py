@@ -89,10 +89,10 @@ def test_forces_at_reversals_are_those_before_the_turn(
     Each leg ends 29.7 mm out, with a force of 100 kN, of which a step takes 80 kN in the next leg.
     """
     tip, step = 29.7, 1.0
-    way = np.arange(after - 2.0, 8.0 * tip, step)  # of the motion: half a leg, then legs
-    way = np.maximum(way, 0.0)
-    leg = ((way + tip) // (2.0 * tip)).astype(int)
-    along = (way + tip) % (2.0 * tip)  # since the last turn
+    distance = np.arange(after - 2.0, 8.0 * tip, step)  # of the motion: half a leg, then legs
+    distance = np.maximum(distance, 0.0)
+    leg = ((distance + tip) // (2.0 * tip)).astype(int)
+    along = (distance + tip) % (2.0 * tip)  # since the last turn
     side = np.where(leg % 2 == 0, 1.0, -1.0)
     x = side * (along - tip)
     force = side * np.where(leg > 0, np.minimum(-100.0 + 160.0 * along, 50.0 + along), 50.0 + along)

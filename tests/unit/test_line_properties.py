@@ -39,6 +39,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.constants import softening_beyond_tests
 from thermobearing.model.earlier import BilinearParameters
 from thermobearing.structure.matrices import (
+    Matrices,
     build_matrices,
     find_modes,
     hinge_stiffness,
@@ -291,15 +292,20 @@ def test_the_bearing_is_the_one_that_was_run(stated_of_line: bool) -> None:
     assert_allclose(rows.loc[BILINEAR, "K_d_kN_mm"], 1.3 * file.post_yield_stiffness)
 
 
+def stiffness_without_bearings(result: EarthquakeResult) -> tuple[Structure, Matrices, Floats]:
+    """Return the structure of a result, its matrices, and the stiffness of all but the bearings."""
+    case = tomllib.loads(result.dataset.attrs["case"])
+    structure = validated(Structure, case["structure"], "structure")
+    matrices = build_matrices(structure, "consistent")
+    return structure, matrices, matrices.springs + hinge_stiffness(structure, matrices)
+
+
 def test_the_bridge_has_the_ratio_of_its_lines_and_a_longer_period_when_warm(
     pier: EarthquakeResult,
 ) -> None:
     lines = line_properties(pier)
     bridges = bridge_properties(pier, lines).set_index(["bearing", "ambient_degC"])
-    case = tomllib.loads(pier.dataset.attrs["case"])
-    structure = validated(Structure, case["structure"], "structure")
-    matrices = build_matrices(structure, "consistent")
-    rigid = matrices.springs + hinge_stiffness(structure, matrices)
+    structure, matrices, rigid = stiffness_without_bearings(pier)
     for row in lines.to_dict("records"):
         whole = bridges.loc[(row["bearing"], row["ambient_degC"])]
         assert_allclose(whole["bearing_damping_ratio"], row["h_eff"])
@@ -356,10 +362,8 @@ def test_the_damping_of_pier_p1_is_that_of_complex_eigenvalues(
     """Its masses load the foundation as well, and (D + D_sub) of codes does not count them."""
     lines = line_properties(pier)
     bridges = bridge_properties(pier, lines).set_index(["bearing", "ambient_degC"])
-    case = tomllib.loads(pier.dataset.attrs["case"])
-    structure = validated(Structure, case["structure"], "structure")
-    matrices = build_matrices(structure, "consistent")
-    mass, rigid = matrices.mass, matrices.springs + hinge_stiffness(structure, matrices)
+    structure, matrices, rigid = stiffness_without_bearings(pier)
+    mass = matrices.mass
     deck = np.eye(len(mass))[0]
     for row in lines[lines["bearing"] == name].to_dict("records"):
         whole = bridges.loc[(name, row["ambient_degC"])]
@@ -410,10 +414,7 @@ def test_modes_have_the_damping_of_the_bearings_by_their_strain_energy(
     lines = line_properties(pier)
     found = hysteretic_ratios(pier, lines)
     warm = lines[lines["ambient_degC"] == 23.0].set_index("bearing")["h_eff"]
-    case = tomllib.loads(pier.dataset.attrs["case"])
-    structure = validated(Structure, case["structure"], "structure")
-    matrices = build_matrices(structure, "consistent")
-    rigid = matrices.springs + hinge_stiffness(structure, matrices)
+    structure, matrices, rigid = stiffness_without_bearings(pier)
     equivalent = np.array([line.equivalent_stiffness for line in structure.bearings])
     modes = find_modes(matrices.mass, rigid + line_stiffness(structure, matrices, equivalent))
     for name, ratios in found.items():

@@ -1,4 +1,4 @@
-"""Links in place of bearings: peaks of the same bridge, beside those of the coupled analysis."""
+"""Links in place of bearings: peaks of the same bridge, and those of the coupled analysis."""
 
 import io
 from typing import Any
@@ -39,7 +39,7 @@ def pieces(bridge: EarthquakeResult) -> Pieces:
     return build_pieces(bridge)
 
 
-def table_of(pieces: Pieces, name: str) -> pd.DataFrame:
+def read_csv_file(pieces: Pieces, name: str) -> pd.DataFrame:
     return pd.read_csv(io.BytesIO(pieces.files[name]), keep_default_na=False)
 
 
@@ -47,7 +47,7 @@ def test_a_trial_is_the_bridge_on_bilinear_bearings(
     bridge: EarthquakeResult, pieces: Pieces
 ) -> None:
     """The rows of properties.csv as bilinear bearings of a case of one's own, heated lead too."""
-    trials, properties = table_of(pieces, "links.csv"), table_of(pieces, "properties.csv")
+    trials, properties = read_csv_file(pieces, "links.csv"), read_csv_file(pieces, "properties.csv")
     assert trials["lead"].tolist().count("heated") == 2
     lower = properties[properties["bound"] == "lower"].set_index("line")
     for lead, strengths in (("", "Q_d_kN"), ("heated", "Q_d_heated_kN")):
@@ -87,7 +87,7 @@ def test_a_trial_is_the_bridge_on_bilinear_bearings(
 
 def test_a_plain_report_has_links_of_both_states(bridge: EarthquakeResult, pieces: Pieces) -> None:
     """Scragged at both temperatures, and virgin in the cold from the analysis of virgin rubber."""
-    properties = table_of(pieces, "properties.csv")
+    properties = read_csv_file(pieces, "properties.csv")
     on_a = properties[properties["line"] == "on A"]
     states = list(zip(on_a["rubber"], on_a["ambient_degC"], on_a["bound"], strict=True))
     assert states == [(SCRAGGED, 23.0, "lower"), (SCRAGGED, -20.0, ""), ("virgin", -20.0, "upper")]
@@ -111,7 +111,7 @@ def test_a_plain_report_has_links_of_both_states(bridge: EarthquakeResult, piece
 
 def test_a_report_of_virgin_rubber_has_lower_values_of_scragged_rubber() -> None:
     virgin = tb.bridge(HDR, MOTIONS, state="virgin", **CASE)
-    properties = table_of(build_pieces(virgin), "properties.csv")
+    properties = read_csv_file(build_pieces(virgin), "properties.csv")
     states = set(
         zip(properties["rubber"], properties["ambient_degC"], properties["bound"], strict=True)
     )
@@ -137,7 +137,7 @@ def test_links_that_understate_a_peak_say_by_how_much() -> None:
     assert shortfall_note(trial_rows({"displacement": np.nan})) == ""
 
 
-def trials_of(result: EarthquakeResult) -> Any:
+def run_trials(result: EarthquakeResult) -> Any:
     lines = with_bounds(line_properties(result))
     return try_links({str(lines["state"].iloc[0]): result}, lines)
 
@@ -154,7 +154,7 @@ def test_what_cannot_have_links_says_so() -> None:
         tb.bridge(HDR, **short | {"motion": {"name": "jra-ii-i-1", "factor": 0.01}}),
     ]
     for result in results:
-        trials = trials_of(result)
+        trials = run_trials(result)
         assert trials.rows.empty
         assert (trials.runs, len(trials.reasons)) == (0, 1)
         assert trials.reasons[0] in trials_note(trials)
@@ -163,5 +163,5 @@ def test_what_cannot_have_links_says_so() -> None:
         assert trials.reasons[0].split(" (")[0] in " ".join(
             pieces.files["links.txt"].decode().split()
         )
-    bilinear = trials_of(tb.bridge("shen-bilinear-bridge", **short))
+    bilinear = run_trials(tb.bridge("shen-bilinear-bridge", **short))
     assert (bilinear.runs, bilinear.reasons, trials_note(bilinear)) == (0, [], "")

@@ -152,8 +152,8 @@ def test_first_motion_may_be_to_the_negative_side() -> None:
     assert len(metrics.find_cycles(d)) == 3  # from downward crossing to downward crossing
 
 
-@pytest.mark.parametrize("given", [True, False])
-def test_a_record_and_its_mirror_image_have_the_same_cycles(given: bool) -> None:
+@pytest.mark.parametrize("with_rests", [True, False])
+def test_a_record_and_its_mirror_image_have_the_same_cycles(with_rests: bool) -> None:
     """Levels with rests between them, each cycle with its own amplitude on both sides."""
     parts, rests, count = list[tuple[Floats, Floats]](), list[tuple[int, int]](), 0
     for amplitude in (15.0, 30.0, 52.5):
@@ -165,8 +165,8 @@ def test_a_record_and_its_mirror_image_have_the_same_cycles(given: bool) -> None
         parts += [(path[0], path[1]), still]
     d, f = (np.concatenate([part[k] for part in parts]) for k in range(2))
     f = f + 0.02 * np.abs(d)  # stiffer to one side
-    known = {"rests": rests} if given else {}
-    size: dict[str, Any] = {"area": AREA, "total_rubber_thickness": RUBBER} | known
+    options = {"rests": rests} if with_rests else {}
+    size: dict[str, Any] = {"area": AREA, "total_rubber_thickness": RUBBER} | options
     cycles, mirrored = (tb.measure_history(side * d, side * f, **size) for side in (1.0, -1.0))
     assert [round(cycle.amplitude_mm, 9) for cycle in cycles] == [15.0, 1.5, 30.0, 3.0, 52.5, 5.25]
     for cycle, mirror in zip(cycles, mirrored, strict=True):
@@ -178,8 +178,8 @@ def test_a_record_and_its_mirror_image_have_the_same_cycles(given: bool) -> None
             displacement_min_mm=-mirror.displacement_max_mm,
         )
         assert_allclose(astuple(swapped), astuple(cycle), rtol=tol.LOOP)
-    found, found_mirrored = (metrics.cut_cycles(side * d, **known) for side in (1.0, -1.0))
-    assert [replace(cycle, side=1.0) for cycle in found_mirrored] == found
+    places, mirrored_places = (metrics.cut_cycles(side * d, **options) for side in (1.0, -1.0))
+    assert [replace(cycle, side=1.0) for cycle in mirrored_places] == places
 
 
 def test_no_cycles() -> None:
@@ -269,8 +269,8 @@ def test_strength_of_cycles_before_a_rest(
 
 def test_a_cycle_that_does_not_close_is_reported_apart() -> None:
     d, _ = bilinear(60.0, 30.0, 12.0, 2.0)
-    found = metrics.cut_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
-    assert [cycle.ends for cycle in found] == ["closed", "incomplete"]
+    cycles = metrics.cut_cycles(np.concatenate([d, d[1 : len(d) // 2]]))
+    assert [cycle.ends for cycle in cycles] == ["closed", "incomplete"]
 
 
 PLAN = {"area": 1e4, "total_rubber_thickness": 20.0}

@@ -203,6 +203,12 @@ def damaged(folder: Path, copy: Path, how: str) -> Path:
 DAMAGES = ["truncated", "replaced", "absent", "earlier sources", "no description"]
 
 
+def copy_state_kernel() -> Any:
+    """Return a new kernel, which has chosen neither a library nor numba yet."""
+    compiled: Any = march.copy_state
+    return Kernel(compiled.py_func)
+
+
 @pytest.mark.parametrize("how", DAMAGES)
 def test_a_library_that_differs_is_refused(
     how: str, small_library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -213,7 +219,7 @@ def test_a_library_that_differs_is_refused(
     monkeypatch.delenv(native.CHOICE, raising=False)
     monkeypatch.setenv(native.WARNED, "")
     native.open_library.cache_clear()
-    kernel: Any = Kernel(march.copy_state.py_func)  # type: ignore[attr-defined]
+    kernel = copy_state_kernel()
     try:
         with pytest.warns(UserWarning, match="numba") as said:
             chosen = [runners.choose(kernel, arguments), runners.choose(kernel, arguments)]
@@ -266,7 +272,7 @@ def test_libraries_of_other_machines_are_no_reason_to_warn(
         assert library is None
         assert native.library_name() in reason
         monkeypatch.setattr(runners, "has_numba", lambda: False)
-        kernel: Any = Kernel(march.copy_state.py_func)  # type: ignore[attr-defined]
+        kernel = copy_state_kernel()
         with pytest.raises(MissingKernelsError, match="thermobearing\\[jit\\]"):
             runners.choose(kernel, calls()["core.march.copy_state"])
     finally:

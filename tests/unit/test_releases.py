@@ -1,4 +1,4 @@
-"""Earlier releases that benchmarks build beside the present; nothing is timed here."""
+"""Earlier releases that benchmarks compare with the present; nothing is timed here."""
 
 import io
 import tarfile

@@ -287,7 +287,7 @@ def test_a_report_states_what_motions_were_made_to_fit(tmp_path: Path) -> None:
 
 
 def test_a_report_says_which_files_are_synthetic(tmp_path: Path) -> None:
-    """An AT2 file has the description alone, by which a generated motion is told."""
+    """An AT2 file has the description alone, by which a generated motion is recognised."""
     files = []
     for number, description in enumerate(("Synthetic, fits the spectrum of X", "Kobe, 1995")):
         motion = dataclasses.replace(load_motion("jra-ii-i-1"), description=description)

@@ -281,32 +281,32 @@ def lifting_structure(bearing: tb.Bearing, joint: str, dowel_length: float) -> S
     )
 
 
-def sunk(force: Floats, start: float) -> Floats:
-    """Way of the mass downwards [mm], from the axial force on it, by Newmark's method."""
-    dt, way = float(LIFT_TIME[1]), [start]
+def downward_displacement(force: Floats, start: float) -> Floats:
+    """Displacement of the mass downwards [mm], from the axial force on it, by Newmark's method."""
+    dt, displacement = float(LIFT_TIME[1]), [start]
     acceleration = GRAVITY - force / LIFTED_MASS + UPWARDS
     velocity = 0.0
     for before, after in pairwise(acceleration):
-        way.append(way[-1] + dt * velocity + 0.25 * dt * dt * (before + after))
+        displacement.append(displacement[-1] + dt * velocity + 0.25 * dt * dt * (before + after))
         velocity += 0.5 * dt * (before + after)
-    return np.array(way)
+    return np.array(displacement)
 
 
 def follow_structure(
-    structure: StructureHistory, bearing: tb.Bearing, **given: object
+    structure: StructureHistory, bearing: tb.Bearing, **options: object
 ) -> tuple[Floats, ServedResult]:
-    """Axial forces of a served bearing along the way of one in a structure, and its result."""
+    """Axial forces of a served bearing along the motion of one in a structure, and its result."""
     assert structure.axial is not None
     axial = structure.axial.force[:, 0]
-    served = case(bearing, ambient=WARM, **given)
+    served = case(bearing, ambient=WARM, **options)
     driver = Driver(ServedElement(served, LINE, 1))
     driver.pressed(0.0, 0.0, float(axial[0]), START)
     # The first step has pressed it; its shear begins with the next one.
     start = -float(driver.element.histories()[0].axial["shortening"][-1])
     moved, forces = structure.bearing()["displacement"], []
-    ways = sunk(axial, -start)
-    for x, way, time in zip(moved[1:], ways[1:], LIFT_TIME[1:], strict=True):
-        place = np.array([x, 0.0, -way, 0.0, 0.0, 0.0])
+    downwards = downward_displacement(axial, -start)
+    for x, downward, time in zip(moved[1:], downwards[1:], LIFT_TIME[1:], strict=True):
+        place = np.array([x, 0.0, -downward, 0.0, 0.0, 0.0])
         forces.append(-driver.step(place, START + time)[2])
     return np.array(forces), ServedResult.of(served, driver.element.histories())
 
@@ -345,12 +345,12 @@ def test_works_are_those_of_a_structure(slender: tb.Bearing, joint: str, outcome
     assert row["axial_work_kN_mm"] - pressed == pytest.approx(works.axial_work, rel=1e-7)
     assert row["lent_kN_mm"] == pytest.approx(works.lent, rel=1e-7)
     # What the motion of the ground and the dead load put in, the mass and the bearing have.
-    given = works.weight + works.vertical_input - works.vertical_kinetic
+    input_energy = works.weight + works.vertical_input - works.vertical_kinetic
     scale = 1e-9 * works.vertical_input
-    assert row["axial_work_kN_mm"] - pressed == pytest.approx(given, abs=scale)
-    given = structure.rows.energies["input"][-1] - structure.rows.energies["kinetic"][-1]
+    assert row["axial_work_kN_mm"] - pressed == pytest.approx(input_energy, abs=scale)
+    input_energy = structure.rows.energies["input"][-1] - structure.rows.energies["kinetic"][-1]
     shear = row["node_work_kN_mm"] - row["axial_work_kN_mm"]
-    assert shear == pytest.approx(given, rel=1e-9)
+    assert shear == pytest.approx(input_energy, rel=1e-9)
     assert abs(row["element_residual"]) < 1e-10
     tables = result.tables()
     assert "axial_work_kN_mm" in [column.name for column in tables["node_works"].columns]

@@ -100,7 +100,7 @@ REFUSED: list[dict[str, Any]] = [
 
 
 def bearing_in_python(changes: dict[str, Any]) -> tb.Bearing:
-    known = GRADED if changes["base"] == GRADED.name else load_bearing(changes["base"])
+    base = GRADED if changes["base"] == GRADED.name else load_bearing(changes["base"])
     tables: dict[str, Any] = {}
     for path, value in changes.items():
         *above, name = path.split(".")
@@ -110,8 +110,8 @@ def bearing_in_python(changes: dict[str, Any]) -> tb.Bearing:
         if above:
             table[name] = value
     if "plan" in tables.get("geometry", {}):
-        tables["geometry"]["plan"]["shape"] = known.geometry.plan.shape
-    return tb.changed_bearing(known, **tables) if tables else known
+        tables["geometry"]["plan"]["shape"] = base.geometry.plan.shape
+    return tb.changed_bearing(base, **tables) if tables else base
 
 
 def step_in_python(step: dict[str, Any]) -> dict[str, Any]:
