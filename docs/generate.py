@@ -20,7 +20,7 @@ from collections import Counter
 from pathlib import Path
 from typing import Any
 
-from docs import notebook
+from docs import notebook, readme
 from docs.builder import keys, pictures
 from thermobearing import cli  # noqa: F401 (it has all commands)
 from thermobearing.commands.descriptions import descriptions_text
@@ -108,79 +108,6 @@ def number(value: float | None, unit: str) -> str:
     return f"{f'{value:.0f}' if abs(value) >= 1000 else text} {unit}".strip()
 
 
-HEADLINE = "jra-ii-i-1"  # the motion of the headline, one of those of ground I
-LEAD_BEARING = "shen-lhdr-bridge"  # of the headline, its picture and README's bridge
-
-
-def headline_sentence() -> str:
-    """Return what cold bearings do to the pier of the default bridge, with its range by motion."""
-    import thermobearing as tb
-
-    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    table = tb.bridge(LEAD_BEARING, motions, ambient=[23, -20]).table
-    ratios = []
-    for name in ("bearing_force_max_kN", "pier_moment_max_kN_m"):
-        peaks = table.pivot(index="motion", columns="ambient_degC", values=name)
-        ratios.append(100.0 * (peaks[-20.0] / peaks[23.0] - 1.0))
-    force, moment = (f"{ratio[HEADLINE]:.0f} %" for ratio in ratios)
-    forces, moments = (f"{ratio.min():.0f} to {ratio.max():.0f} %" for ratio in ratios)
-    return (
-        "In the same earthquake, high-damping rubber bearings with lead cores "
-        f"(`{LEAD_BEARING}`) transmit "
-        f"{force} more force at -20 °C than at 23 °C, and the bending moment at the base of the "
-        f"bridge pier is {moment} larger ({forces} and {moments} in the {len(motions)} built-in "
-        "motions of ground I). An analysis with the properties at 23 °C shows neither."
-    )
-
-
-FORCE, STRAIN = "bearing_force_max_kN", "bearing_strain_max"
-
-
-def bullets_on_library() -> str:
-    """Return what virgin rubber does to the default bridge, and how far its rates leave tests."""
-    import thermobearing as tb
-
-    motions = [name for name in tb.list_motions() if name.split("-")[2] == "i"]
-    bearings = ["shen-hdr-bridge", LEAD_BEARING]
-    states = ("tested", "virgin")
-    results = [tb.bridge(bearings, motions, [23, -20], state=state) for state in states]
-    tested, virgin = (
-        result.table.set_index(["bearing", "ambient_degC", "motion"]) for result in results
-    )
-    limits = results[0].tested_range
-    rates = limits[limits["limit"] == "strain_rate"]
-    changes = (100.0 * (virgin[[FORCE, STRAIN]] / tested[[FORCE, STRAIN]] - 1.0)).sort_index()
-    parts = []
-    for bearing, words in zip(bearings, ("HDR", "LHDR"), strict=True):
-        for ambient in (23.0, -20.0):
-            ratios = [changes[name].loc[bearing, ambient] for name in (FORCE, STRAIN)]
-            force, strain = (f"{ratio.min():+.0f} to {ratio.max():+.0f} %" for ratio in ratios)
-            parts.append(f"{words} at {ambient:g} °C: force {force}, displacement {strain}")
-    ductile = [table["pier_ductility"].max() for table in (tested, virgin)]
-    return (
-        "* The library bearings represent tested (scragged) rubber. Virgin rubber is stiffer, by "
-        "how much is assumed from one real test (`--state virgin`, "
-        "[how-to](docs/guide/bridge.md#virgin-and-recovered-rubber)). On pier P1 in the "
-        f"{len(motions)} built-in motions of ground I: {'; '.join(parts)}; pier ductility up to "
-        f"{ductile[1]:.2f}, {ductile[0]:.2f} with tested rubber.\n"
-        f"* Strain rates reach {rates['demand'].max():.0f}/s in these motions, "
-        f"{rates['largest'].min():.2g} to {rates['largest'].max():.2g}/s in the tests of these "
-        "bearings. The force of HDR does not depend on the rate here, since no test of it decides "
-        f"how ({undecided_strength()}); the branch of LHDR is extrapolated "
-        "([limits](docs/theory.md#limits))."
-    )
-
-
-def undecided_strength() -> str:
-    """Return how far the rate dependence of HDR, which tests leave open, moves its Q_d."""
-    from thermobearing.design.run import run_factors
-
-    report = run_factors(["shen-hdr-bridge"], temperatures=[23], reference=23, strains=[1.75])
-    bands = report.bands.set_index("quantity")
-    low, high = (100.0 * bands.loc["Q_d", end] for end in ("lowest", "highest"))
-    return f"`lambda`: {low:.0f} to {high:+.0f} % of Q_d at 175 %"
-
-
 def heat_agreement(lead: str, layer: str) -> str:
     """Return errors such as "-0.8 of 73.5 K; cooling -1.0 K", of the LHDR specimen, in words."""
     numbers = [NUMBER.findall(text) for text in (lead, layer)]
@@ -237,8 +164,8 @@ def readme_text(old: str, measured: list[dict[str, str]], bench: dict[str, Any])
     text, count = PIER_TIME.subn(rf"\g<1>{float(f'{times[0]:.1g}'):g} ms", old)
     if count != 1:
         raise SystemExit(f"README must state once that the pier {PIER_TIME.pattern}")
-    text = between(text, "headline", headline_sentence())
-    text = between(text, "virgin", bullets_on_library())
+    text = between(text, "headline", readme.headline())
+    text = between(text, "virgin", readme.bullets_on_library())
     return between(text, "validated", validated_rows(measured))
 
 

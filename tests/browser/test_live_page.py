@@ -404,6 +404,21 @@ def test_a_stack_with_lead_says_that_rubber_beside_it_is_warmer(opened: Any) -> 
         assert opened.locator("#ring").is_visible() == visible
 
 
+@pytest.mark.parametrize(("name", "temperatures"), [("shen-lhdr-bridge", 1), ("lrb-example", 2)])
+def test_lead_softens_a_bearing_only_where_its_strength_falls(
+    opened: Any, name: str, temperatures: int
+) -> None:
+    """The lead of shen-lhdr-bridge is of constant strength, although it is the warmest part."""
+    assert (tb.load_bearing(name).lead.softening > 0.0) == (temperatures == 2)
+    opened.locator("#base").select_option(name)
+    settle(opened)
+    # Of the last cycle, at the cold temperature.
+    rubber, lead = (text.split(" |")[0] for text in cells(opened)[-1][-2:])
+    words = opened.locator("#answer p").inner_text().split("It softens by ")[1]
+    shown = re.findall(r"([−\d.]+)\s°C", words)
+    assert shown == ([rubber] if temperatures == 1 else [lead, rubber])
+
+
 def test_the_factors_state_the_rise_of_the_lead(opened: Any) -> None:
     """Those that Python has, in the same test; no rise without lead."""
     opened.locator("#tab-codes").click()

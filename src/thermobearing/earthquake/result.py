@@ -570,14 +570,14 @@ class EarthquakeResult(DatasetResult):
         return tables.make_tables(self)
 
     def notes(self) -> list[str]:
-        """Return sentences on the energy balance and on strain rates."""
+        """Return sentences on the energy balance, the damping of the structure and strain rates."""
         sentences = []
         if self.runs:
             worst = float(self.energy["structure_residual"].abs().max())
             text = quantity("structure_residual").text(worst)
             sentences.append(f"Energy balance: the largest residual is {text} of the input.")
-        if rate := rate_note(measures.tested_rows(self)):
-            sentences.append(rate)
+        remarks = self.damping_note, rate_note(measures.tested_rows(self))
+        sentences += [text for text in remarks if text and text not in self.warnings]
         return sentences + band_sentences(self.bands.to_dict("records"), BANDED_WORDS)
 
     def show(self) -> None:

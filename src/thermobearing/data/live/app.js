@@ -227,6 +227,12 @@ function outside(asked) {
   return found;
 }
 
+/** Whether lead that reaches a temperature loses strength: by its own rate, or beyond its tests. */
+function leadSoftens(temperature) {
+  const warmest = bearing.tested_range?.lead_temperature?.[1] ?? Infinity;
+  return temperature > -Infinity && ((bearing.values["lead.softening"] ?? 0) > 0 || temperature > warmest);
+}
+
 function answer() {
   const { cold, warm, problem } = runs;
   const lines = [];
@@ -241,8 +247,8 @@ function answer() {
   if (first && cold.cycles.length > 1 && state.protocol === "cycles") {
     const fall = 100 * (1 - last.stiffness_kN_mm / first.stiffness_kN_mm);
     const [rubber, lead] = [largest(last.layer_temperature), last.lead_temperature ?? -Infinity];
-    const key = lead > rubber ? "softens_lead" : "softens";
-    if (fall >= 0.5) lines.push(t(key, { p: short(fall, 2), n: cold.cycles.length, h: short(Math.max(rubber, lead)) }));
+    const key = leadSoftens(lead) ? "softens_lead" : "softens";
+    if (fall >= 0.5) lines.push(t(key, { p: short(fall, 2), n: cold.cycles.length, h: short(rubber), l: short(lead) }));
   }
   const notes = cold.softened ? [t("softened_layers", { n: cold.softened })] : [];
   const hot = cold.lead ? largest(cold.lead) : -Infinity;
