@@ -10,7 +10,18 @@ from scipy.stats import binom
 
 from thermobearing.border.errors import InputError
 from thermobearing.studies.statistics import hazard
-from thermobearing.studies.statistics.demand import Draw, _median_places, counted, demand_against
+from thermobearing.studies.statistics.comparison import (
+    compare_counts,
+    find_contradiction,
+    reached_counts,
+)
+from thermobearing.studies.statistics.demand import (
+    Draw,
+    _median_places,
+    _medians,
+    counted,
+    demand_against,
+)
 from thermobearing.studies.statistics.fragility import (
     combine_curves,
     fragility_curve,
@@ -22,7 +33,6 @@ from thermobearing.studies.statistics.likelihood import (
     _classes,
     _fit_curves,
     cloud,
-    furthest_class,
     stripes,
 )
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
@@ -148,9 +158,8 @@ def test_a_cloud_is_compared_with_the_exceedances_of_its_own_runs() -> None:
         for table in (straight, kinked)
     )
     assert of_straight.misfit == ""
-    at, beyond, runs, low, high = furthest_class(
-        of_kinked.counts, "Sa_m_s2", of_kinked.estimate, 0.95
-    ) or pytest.fail("the kink is not noticed")
+    at, beyond, runs, low, high = of_kinked.contradiction or pytest.fail("the kink is not noticed")
+    assert (of_straight.outcome, of_kinked.outcome) == ("completed", "contradicted")
     row = of_kinked.counts[np.isclose(of_kinked.counts["Sa_m_s2"], at)].iloc[0]
     assert (row["runs"], row["beyond"]) == (runs, beyond)
     assert runs == 50
@@ -168,9 +177,85 @@ def test_many_intensities_are_compared_in_ten_classes() -> None:
     table = pd.DataFrame({"im": im, "drift": np.where(im > 9.0, 5.0, 0.1 * im**0.5)})
     curve = fragility_curve(table, "drift", 1.0, "im", method="cloud", groups=None, samples=5)
     assert len(curve.counts) == MOST_STRIPES
-    row = furthest_class(curve.counts, "im", curve.estimate, 0.95)
-    assert row is not None
-    assert row[2] == pytest.approx(len(im) / 10, abs=1)
+    assert curve.contradiction is not None
+    assert curve.contradiction.runs == pytest.approx(len(im) / 10, abs=1)
+
+
+def shares_with_a_step() -> "pd.DataFrame":
+    """40 motions at six intensities; half reach the capacity at 1 or 2, the others at 5 or 6."""
+    capacity = np.repeat([0.5, 1.5, 4.5, 5.5], 10)
+    motion, im = (grid.ravel() for grid in np.meshgrid(np.arange(40), np.arange(1.0, 7.0)))
+    drift = 1.0001 * im / capacity[motion]
+    return pd.DataFrame({"motion": motion, "im": im, "drift": drift})
+
+
+@pytest.mark.parametrize("method", ["stripes", "ida"])
+def test_shares_that_do_not_follow_one_lognormal_curve_contradict_it(method: Any) -> None:
+    """Shares of 1/4, 1/2, 1/2, 1/2, 3/4 and 1, where no curve rises and stays as these do."""
+    table = pd.concat(
+        [shares_with_a_step().assign(motion=lambda t, k=k: t["motion"] + 40 * k) for k in range(3)]
+    )
+    curve = fragility_curve(table, "drift", 1.0, "im", method=method, samples=5)
+    assert curve.comparison["beyond"].tolist() == [30, 60, 60, 60, 90, 120]
+    assert curve.outcome == curve.row()["outcome"] == "contradicted"
+    assert curve.estimate.known
+    (worst,) = [row for row in curve.comparison.to_dict("records") if row["im"] == 6.0]
+    tail = 0.025 / 6
+    share = curve.probability([6.0])[0]
+    assert worst["low"] == binom.ppf(tail, 120, share)
+    assert worst["high"] == binom.ppf(1.0 - tail, 120, share)
+    assert "dispersion" in repr(curve)
+    fewer = fragility_curve(
+        table[table["motion"] % 10 == 0], "drift", 1.0, "im", method=method, samples=5
+    )
+    assert fewer.outcome != "contradicted"
+
+
+def test_capacities_that_are_not_known_contradict_no_curve() -> None:
+    """Two of three curves end below 3, so that they may or may not have reached it there."""
+    crossings = pd.DataFrame({"low": [1.0, 1.0, 2.0], "high": [2.0, np.inf, np.inf]})
+    counts = reached_counts(crossings, np.array([3.0, 1.0, 2.0, 1.0]), "im")
+    assert counts["im"].tolist() == [1.0, 2.0, 3.0]
+    assert counts["beyond"].tolist() == [0, 1, 1]
+    assert counts["most"].tolist() == [0, 2, 3]
+    many = pd.concat([crossings] * 40)
+    at = reached_counts(many, np.array([1.0, 2.0, 3.0]), "im")
+    surely = compare_counts(at, "im", lambda im: np.where(np.asarray(im) > 2.5, 0.99, 0.4), 0.95)
+    assert find_contradiction(surely.iloc[[2]], "im") is None
+    never = compare_counts(at, "im", lambda im: np.full(len(im), 0.01), 0.95)
+    found = find_contradiction(never, "im") or pytest.fail("one third exceed")
+    assert (found.beyond, found.runs) == (40, 120)
+    assert len(reached_counts(crossings, np.geomspace(1.0, 9.0, 200), "im")) == 10
+
+
+def test_the_mean_of_curves_that_contradict_their_runs_does_so_too() -> None:
+    cold = shares_with_a_step().assign(motion=lambda t: t["motion"] % 40, ambient_degC=-20.0)
+    cold = pd.concat([cold.assign(motion=cold["motion"] + 40 * k) for k in range(3)])
+    warm = cold.assign(ambient_degC=23.0, drift=cold["drift"] * 0.01)
+    curves = fragility_curves(
+        pd.concat([cold, warm], ignore_index=True), "drift", 1.0, "im", "ambient_degC", samples=40
+    )
+    assert [curve.outcome for curve in curves.values()] == ["contradicted", "none_beyond"]
+    climate, never = (combine_curves(curves, [share, 1.0 - share]) for share in (0.3, 0.0))
+    assert (climate.outcome, never.outcome) == ("contradicted", "none_beyond")
+    assert "-20" in climate.misfit
+    rate = hazard.annual_rate(climate, HAZARD)
+    assert rate.outcome == "contradicted"
+    assert hazard.RATE_OF_MISFIT in rate.notes
+
+
+@pytest.mark.parametrize(("count", "motions"), [(1, 6), (7, 6), (1000, 12), (1001, 300)])
+def test_medians_of_samples_are_those_of_the_sums_up_to_each_value(
+    count: int, motions: int
+) -> None:
+    rng = np.random.default_rng(count)
+    ordered = np.sort(rng.normal(size=count))
+    groups = rng.integers(0, motions, count)
+    weights = rng.multinomial(motions, np.full(motions, 1.0 / motions), size=300).astype(float)
+    sums = weights[:, groups].cumsum(axis=1)
+    sums = sums[sums[:, -1] > 0.0]
+    expected = ordered[(sums >= 0.5 * sums[:, -1:]).argmax(axis=1)]
+    np.testing.assert_array_equal(_medians(ordered, groups, weights), expected)
 
 
 def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climate() -> None:

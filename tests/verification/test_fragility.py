@@ -314,7 +314,8 @@ def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:
     place, slope = np.log([median]), np.array([1.0 / dispersion])
     spread = np.linspace(-0.1, 0.1, others)
     estimate = Estimate(Curves(place, slope), Curves(place + spread, np.repeat(slope, others)))
-    counts = pd.DataFrame({"im": [1.0], "runs": [1], "beyond": [0]})
+    # At the median, where each count of one run is likely.
+    counts = pd.DataFrame({"im": [median], "runs": [1], "beyond": [0]})
     return Fragility("", "stripes", "drift", "im", 1.0, [(1.0, estimate)], 0.95, 1, counts, 0, 0)
 
 

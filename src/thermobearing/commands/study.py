@@ -202,12 +202,14 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     """Draw demand, IDA curves, fragility, annual rates and variance contributions.
 
     The figures are written into DIR/figures, those of another demand than the default one into
-    DIR/figures/DEMAND, so that they replace no others. The settings are stored in
+    DIR/figures/DEMAND, and those of another method than stripes into a folder METHOD there, so that
+    they replace no others. The settings are stored in
     DIR/question.toml, which `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
     from thermobearing.studies.question import (
         QUESTION,
+        Question,
         change_question,
         describe_kept,
         load_question,
@@ -222,6 +224,8 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     folder = directory / FIGURES
     if result.demand_name != result.default_demand:
         folder /= result.demand_name
+    if question.method != Question().method:
+        folder /= question.method
     files = result.plot.save_all(folder, **end.figures)
     save_question(directory, question)
     if not end.quiet:

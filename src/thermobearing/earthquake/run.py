@@ -81,6 +81,7 @@ from thermobearing.structure.run import (
 
 Progress = Callable[[int, int], None]
 WORKERS = 2  # at least
+STRAIN_LIMIT, PIER_LIMIT = "strain", "pier"  # limits of a bearing that tears, and of a pier
 BILINEAR_STRAIN = 100.0  # largest of a bilinear bearing: a design may begin far off
 AT_REST = 1e9  # clock of a core whose half-space has settled [s]
 SPIN_UP = 60 * DAY  # hours before the first of a typical year
@@ -263,10 +264,15 @@ def run_task(task: Task) -> StructureHistory:
     displacements = [
         largest(lengths(history.bearing(b)["displacement"])) for b in range(len(task.lines))
     ]
-    rotations = [largest(history.hinge(h)["rotation"]) for h in range(history.rows.hinges.shape[1])]
+    rotations = largest_rotations(history)
     top_displacements = [row["pier_part_displacement_max"] for row in pier_peaks(task, history)]
     outcome = find_outcome(task, displacements, rotations, top_displacements)
     return replace(history, outcome=with_axial_outcome(outcome, history.axial))
+
+
+def largest_rotations(history: StructureHistory) -> list[float]:
+    """Return the largest rotation of each hinge [rad]."""
+    return [largest(history.hinge(h)["rotation"]) for h in range(history.rows.hinges.shape[1])]
 
 
 def ended_unstable(outcome: str, axial: AxialHistory | None) -> bool:
@@ -302,21 +308,39 @@ def find_outcome(
 ) -> str:
     """Return the outcome of a run that reached its end: whether the model holds that far.
 
+    The arguments are those of `passed_limits`.
+    """
+    limits = passed_limits(task, displacements, rotations, top_displacements)
+    if STRAIN_LIMIT in limits:
+        return NOT_PHYSICAL
+    return PIER_BEYOND_LIMIT if PIER_LIMIT in limits else COMPLETED
+
+
+def passed_limits(
+    task: Task,
+    displacements: Sequence[float],
+    rotations: Sequence[float],
+    top_displacements: Sequence[float],
+) -> list[str]:
+    """Return which limits a run passed up to its end, early or not: "strain" and "pier".
+
+    Its peaks tell; which of both limits was passed first they do not.
+
     `displacements`, `rotations` and `top_displacements` are the largest of each bearing [mm], hinge
     [rad] and pier top [mm].
     """
-    structure = task.case.structure
+    structure, limits = task.case.structure, []
     for line, largest_displacement in zip(task.lines, displacements, strict=True):
         largest_strain = BILINEAR_STRAIN if line.device.stack is None else LARGEST_STRAIN
         if largest_displacement / line.device.bearing.total_rubber_thickness > largest_strain:
-            return NOT_PHYSICAL
+            limits = [STRAIN_LIMIT]
     hinges = zip(list_hinges(structure), rotations, strict=True)
     ductile = any(
         rotation / hinge.yield_rotation > structure.limits.ductility for hinge, rotation in hinges
     )
     if ductile or drift(task, top_displacements) > structure.limits.drift:
-        return PIER_BEYOND_LIMIT
-    return COMPLETED
+        limits.append(PIER_LIMIT)
+    return limits
 
 
 def _refuse_too_much(

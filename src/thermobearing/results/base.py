@@ -16,7 +16,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.results.directory import CHECKS, FIGURES, RIG, TESTED_RANGE, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.ranges import OUTSIDE, largest_tested
-from thermobearing.results.screen import print_warnings, say, show_table, table_html
+from thermobearing.results.screen import LISTED, print_warnings, say, show_table, table_html
 from thermobearing.results.writing import from_attribute, warnings_of, write_csv, write_summary
 
 COMPLETED = "completed"
@@ -35,6 +35,7 @@ class Result:
     title: ClassVar[str] = "Result"  # of the headline: what the result is
     _figures: ClassVar[str] = ""
     _report_of_files: ClassVar[bool] = False  # the report is built from the saved directory
+    _listed: ClassVar[str] = LISTED  # where all warnings are, if the screen has some of them
 
     outcome: Any = COMPLETED
     sentence: Any = ""
@@ -82,7 +83,7 @@ class Result:
     def show(self) -> None:
         """Print title, warnings, tables and notes, as the command does."""
         say(self.headline, "bold")
-        print_warnings(self.warnings)
+        print_warnings(self.warnings, listed=self._listed)
         for table in self.tables().values():
             show_table(table)
         for note in self.notes():

@@ -31,7 +31,12 @@ def say(text: str, style: str = "") -> None:
     console.print(Text(text, style=style), soft_wrap=not console.is_terminal)
 
 
-def shown_warnings(warnings: Iterable[str], most: int = MOST_WARNINGS) -> list[str]:
+LISTED = "summary.json and the report list all"  # warnings of a saved result
+
+
+def shown_warnings(
+    warnings: Iterable[str], most: int = MOST_WARNINGS, listed: str = LISTED
+) -> list[str]:
     """Return the warnings of a result for the screen: one a cause, the largest effect first.
 
     What is outside the calibration range of one bearing is one cause. Beyond `most`, the last line
@@ -63,13 +68,15 @@ def shown_warnings(warnings: Iterable[str], most: int = MOST_WARNINGS) -> list[s
     if not left:
         return [*causes]
     more = f"{MORE}{left} more warning{'s' if left > 1 else ''}"
-    return [*causes[:most], f"{more}: summary.json and the report list all"]
+    return [*causes[:most], f"{more}: {listed}"]
 
 
-def print_warnings(warnings: Iterable[str], *, all_of_them: bool = False) -> None:
+def print_warnings(
+    warnings: Iterable[str], *, all_of_them: bool = False, listed: str = LISTED
+) -> None:
     """Print a paragraph for each warning that `shown_warnings` selects, or for each."""
     texts = list(warnings)
-    for text in texts if all_of_them else shown_warnings(texts):
+    for text in texts if all_of_them else shown_warnings(texts, listed=listed):
         say(text if text.startswith(MORE) else f"warning: {text}", "yellow")
 
 

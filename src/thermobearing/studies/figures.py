@@ -18,6 +18,7 @@ from thermobearing.quantities.words import joined
 from thermobearing.results import drawing
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
+from thermobearing.studies.statistics.comparison import CONTRADICTED
 from thermobearing.studies.statistics.demand import (
     ANY,
     Counted,
@@ -190,6 +191,11 @@ def _draw_fragility(
     method = next(iter(curves.values())).method
     bands = _describe_bands(list(curves.values()), banded)
     note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed, computed, larger)}"
+    texts = [
+        f"{_label(name)}: {curve.misfit_words}" for name, curve in curves.items() if curve.misfit
+    ]
+    wrong = next(iter(texts), "")
+    note += f"; {CONTRADICTED} by its own runs, {wrong}" if wrong else ""
     lines = textwrap.wrap(note, drawing.fitting(FRAGILITY_NOTE))
     look: drawing.Look = {"loc": "left", "fontsize": drawing.SMALLEST, "color": drawing.GREY}
     ax.set_title("\n".join(lines), **look)
@@ -226,8 +232,11 @@ def _curve(
         return
     if banded and not curve.few_motions:
         ax.fill_between(im, *curve.band_at(im), color=colour, alpha=0.13, linewidth=0)
-    width = 1.8 if len(curve.parts) > 1 else 1.4
-    ax.plot(im, curve.probability(im), color=colour, linewidth=width, label=label)
+    look: drawing.Look = {"color": colour, "linewidth": 1.8 if len(curve.parts) > 1 else 1.4}
+    if curve.misfit:
+        look |= {"linestyle": "--"}
+        label = f"{label} ({CONTRADICTED})"
+    ax.plot(im, curve.probability(im), label=label, **look)
 
 
 def _marks(ax: Axes, curve: Fragility, colour: str, count: int, shift: float) -> None:
@@ -247,7 +256,7 @@ MOST_CURVES = 400  # that are drawn; of more every n-th
 
 
 def _draw_ida(
-    parts: Mapping[str, Ida], demand: str, intensity: str, note: str, capacity: float
+    parts: Mapping[str, Ida], demand: str, intensity: str, runs: Counted, capacity: float
 ) -> Figure:
     title = f"incremental dynamic analysis, {column_words(demand)}"
     columns = min(len(parts), MOST_COLUMNS)
@@ -262,9 +271,9 @@ def _draw_ida(
     if np.isfinite(capacity):
         # Demands far beyond the capacity would leave the curves near it no width.
         widest = min(widest, max(4.0 * capacity, 1e-300))
-    outside = 0
+    outside, end = 0, "collapse or stop" if runs.larger else "collapse"
     for place, (name, ida) in enumerate(parts.items()):
-        outside += _ida_panel(axes[place], ida, capacity, widest)
+        outside += _ida_panel(axes[place], ida, capacity, widest, f"last before {end}")
         is_lowest, is_leftmost = place + columns >= len(parts), place % columns == 0
         names = _title(demand) if is_lowest else "", intensity if is_leftmost else ""
         curve_count = f"{len(ida.curves)} curves"
@@ -275,12 +284,13 @@ def _draw_ida(
     axes[0].set_xlim(0.0, 1.03 * widest)
     axes[0].set_ylim(0.0, 1.03 * max(float(curve.intensity[-1]) for curve in curves))
     collapses = sum(bool(np.isinf(curve.demand).any()) for curve in curves)
-    beyond = f"{outside} of {collapses} curves have their last run before collapse beyond the axis"
-    _legend(figure, *axes, note="; ".join([f"of these curves, {note}", *[beyond] * bool(outside)]))
+    beyond = f"{outside} of {collapses} curves have their last run before {end} beyond the axis"
+    note = f"of these curves, {runs.sentence}"
+    _legend(figure, *axes, note="; ".join([note, *[beyond] * bool(outside)]))
     return figure
 
 
-def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> int:
+def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float, last: str) -> int:
     """Draw the curves of motions, their last points before a collapse, and their fractiles.
 
     What has a demand beyond `widest` is outside the panel. Returns the number of such last points.
@@ -299,7 +309,7 @@ def _ida_panel(ax: Axes, ida: Ida, capacity: float, widest: float) -> int:
         if first < len(finite) and x[-1] <= widest:
             last_points.append((x[-1], y[-1]))
     if last_points:
-        cross: drawing.Look = {"color": RED, "markersize": 4, "label": "last before collapse"}
+        cross: drawing.Look = {"color": RED, "markersize": 4, "label": last}
         ax.plot(*np.transpose(last_points), "x", clip_on=False, zorder=3, **cross)
     # Fractiles end where the first curve ends: beyond, they would jump.
     table = ida.fractiles()
@@ -363,13 +373,15 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
             if rate.high > 0.0:  # an upper bound
                 ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
             continue
-        ax.plot(place, rate.rate, "o", color=colour, markersize=5)
+        filled = colour if rate.outcome != CONTRADICTED else "none"
+        ax.plot(place, rate.rate, "o", color=colour, markersize=5, markerfacecolor=filled)
         if not rate.few_motions:
             ax.vlines(place, max(rate.low, floor), rate.high, color=colour, linewidth=1.4)
     ax.set_yscale("log")
     ax.tick_params(which="both", labelsize=drawing.SMALL)
     ax.set_xlim(-0.6, len(names) - 0.4)
-    ticks = [_label(name) for name in names]
+    remarks = [f"\n({CONTRADICTED})" * (rates[name].outcome == CONTRADICTED) for name in names]
+    ticks = [f"{_label(name)}{remark}" for name, remark in zip(names, remarks, strict=True)]
     rotated: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
     ax.set_xticks(range(len(names)), ticks, **rotated)
     ax.grid(False, axis="x")
@@ -447,15 +459,17 @@ class StudyFigures(drawing.Figures):
         """Draw IDA curves of motions with their fractiles; a panel for each temperature."""
         result, question = self._result, self._result.question
         demand = result.demand_name
-        runs = counted(result.table, demand, question.failed)
+        failed, capacity = question.failed, question.capacity
+        runs = counted(result.table, demand, failed, ANY if capacity is None else capacity)
         table, by = in_classes(runs.table, AMBIENT)
         levels = np.unique(table[AMBIENT]).tolist() if by == AMBIENT else []
         parts = {"": result}
         if len(levels) > 1:
             parts = {drawing.degrees(level): result.select(ambient_degC=level) for level in levels}
-        curves = {name: part.ida(demand, failed=question.failed) for name, part in parts.items()}
-        capacity = question.capacity or np.nan
-        return _draw_ida(curves, demand, self._intensity(), runs.sentence, capacity)
+        curves = {
+            name: part.ida(demand, failed=failed, capacity=capacity) for name, part in parts.items()
+        }
+        return _draw_ida(curves, demand, self._intensity(), runs, capacity or np.nan)
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""

@@ -207,10 +207,13 @@ def _demand_table(result: StudyResult) -> "pd.DataFrame":
 
 
 def _damage_row(name: str, curve: Fragility, demand: str, unit: str) -> dict[str, Any]:
-    """Return a fragility curve as a row of a damage database of pelicun."""
+    """Return a fragility curve as a row of a damage database of pelicun.
+
+    One that its own runs contradict is marked as incomplete, which pelicun leaves out and reports.
+    """
     return {
         "ID": name,
-        "Incomplete": 0,
+        "Incomplete": int(bool(curve.misfit)),
         "Demand-Type": demand,
         "Demand-Unit": unit,
         "Demand-Offset": 0,
@@ -229,12 +232,12 @@ def write_pelicun(
     capacities: Mapping[str, float] | None = None,
     overwrite: bool = False,
 ) -> list[str]:
-    """Write a study for pelicun; return the components without a fragility curve.
+    """Write a study for pelicun; return the components without a fragility curve to be used.
 
     Each combination of structure, bearing and temperature has a file `demand-NAME.csv` of its
-    completed runs; `damage.csv` has a component for each combination and capacity. `capacities`
-    are by column of the demand, by default that of the question; without any there is no
-    `damage.csv`.
+    completed runs; `damage.csv` has a component for each combination and capacity, `Incomplete`
+    where its own runs contradict the curve, which is returned too. `capacities` are by column of
+    the demand, by default that of the question; without any there is no `damage.csv`.
     """
     question = result.question
     if capacities is None:
@@ -260,6 +263,8 @@ def write_pelicun(
                 elif np.isfinite(curve.dispersion) and curve.dispersion > 0.0:
                     unit = DEMANDS[result.intensity][1]
                     rows.append(_damage_row(component, curve, demand, unit))
+                    if curve.misfit:
+                        without_curve.append(f"{component} that can be used: {curve.misfit}")
                 else:
                     without_curve.append(f"{component}: {curve.row()['sentence']}")
     names = file_names(files)

@@ -18,10 +18,10 @@ from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.warned import UNUSABLE, Warned
-from thermobearing.quantities.words import joined
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
+from thermobearing.studies.curves import Temperature, at_temperature, curve_warnings, other_medians
 from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, Plan
 from thermobearing.studies.definition.motions import study_notes
 from thermobearing.studies.definition.record import (
@@ -36,7 +36,6 @@ from thermobearing.studies.statistics.demand import (
     COMPUTED,
     FEW_BEYOND,
     OUTCOME,
-    TREATMENTS,
     WORST,
     Failed,
     counted,
@@ -75,7 +74,12 @@ from thermobearing.studies.statistics.variance import (
     wide_note,
 )
 from thermobearing.studies.store import Store
-from thermobearing.studies.tables import answer, column_words, find_unit, result_tables
+from thermobearing.studies.tables import (
+    answer,
+    column_words,
+    find_unit,
+    result_tables,
+)
 
 FACES = ("upper_face", "lower_face", "side")
 
@@ -106,6 +110,7 @@ class StudyResult(Result):
     """
 
     _figures = "StudyFigures"
+    _listed = "`thermobearing report` lists all"
 
     def __init__(
         self,
@@ -188,7 +193,7 @@ class StudyResult(Result):
         if self.failed:
             messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
         messages += self.beyond_ranges()
-        messages += self._misfits()
+        messages += curve_warnings(self)
         if self.has_variance and (lost := self.lost_demands()).many:
             sentence = f"shares of the variance: {lost.sentence}"
             messages.append(Warned(sentence, "variance_incomplete", UNUSABLE))
@@ -215,25 +220,6 @@ class StudyResult(Result):
         own_lines = any(line.bearing is not None for line in self.study.case.lines)
         levels = self.study.factors.bearing.levels
         return extrapolations(self.table, levels, own_lines=own_lines, least=least)
-
-    def _misfits(self) -> list[str]:
-        """Return which fragility curves contradict their runs, or lack intensities for IDA."""
-        few = self.table[self.intensity].nunique() < 2
-        if self.question.method == "stripes" or self.question.capacity is None or few:
-            return []
-        faults = {
-            " at ".join(filter(None, (part, name if isinstance(name, str) else f"{name:g} °C"))): (
-                curve.misfit or curve.coarse
-            )
-            for part, runs in self.parts().items()
-            for name, curve in runs.all_curves().items()
-        }
-        curves = [name for name, fault in faults.items() if fault]
-        if not curves:
-            return []
-        sentence = faults[curves[0]] + (f"; so do {joined(curves[1:])}" if curves[1:] else "")
-        code = "cloud_misfit" if self.question.method == "cloud" else "coarse_intensities"
-        return [Warned(sentence, code, UNUSABLE, curves[0])]
 
     @property
     def _has_sobol_design(self) -> bool:
@@ -296,16 +282,27 @@ class StudyResult(Result):
             self._statistics[key] = compute()
         return self._statistics[key].copy()
 
-    def ida(self, demand: str | None = None, *, failed: Failed = COMPUTED) -> Ida:
+    def ida(
+        self,
+        demand: str | None = None,
+        *,
+        failed: Failed = COMPUTED,
+        capacity: float | None = None,
+    ) -> Ida:
         """Return IDA curves, one for each combination of the factors except the scale.
 
         Parameters
         ----------
         demand, failed
             As in `demand`.
+        capacity : float, optional
+            With "computed" a run that stopped counts as in `fragility` of this capacity: as a
+            collapse if it had reached it, and left out otherwise. Without a capacity all runs that
+            stopped count as a collapse.
         """
-        name = demand or self.default_demand
-        return ida_curves(self.table, name, self.intensity, self._curves(), failed=failed)
+        name, least = demand or self.default_demand, ANY if capacity is None else capacity
+        curves = self._curves()
+        return ida_curves(self.table, name, self.intensity, curves, failed=failed, capacity=least)
 
     @property
     def has_ida(self) -> bool:
@@ -371,9 +368,10 @@ class StudyResult(Result):
         demand: str | None = None,
         *,
         name: str = "",
+        temperature: Temperature = None,
         **options: Unpack[Options],
     ) -> Fragility:
-        """Return a lognormal fragility curve of all runs.
+        """Return a lognormal fragility curve of the runs at one temperature.
 
         If the study draws its temperatures from a climate, it is the fragility over the climate.
 
@@ -385,20 +383,31 @@ class StudyResult(Result):
             Column; `default_demand` by default.
         name : str
             Name of the curve.
+        temperature : float or "pooled", optional
+            One of several temperature levels [degC], or all their runs together: a curve that
+            depends on the levels that were chosen. Left out where the study has one temperature or
+            draws them.
         options
             `method` ("stripes", "ida" or "cloud"), `failed` ("computed", "left-out" or "collapse"),
             `level` (confidence of the bands), `samples` and `seed` (of the bootstrap over motions).
+
+        Raises
+        ------
+        InputError
+            The runs have several temperature levels, structures or bearings, and none is selected.
         """
         self._refuse_mixed()
         options.setdefault("curves", self._curves())
-        demand = demand or self.default_demand
-        return fragility_curve(self.table, demand, capacity, self.intensity, name=name, **options)
+        demand, table = demand or self.default_demand, at_temperature(self, temperature).table
+        return fragility_curve(table, demand, capacity, self.intensity, name=name, **options)
 
     def fragilities(
         self,
         capacity: float,
         demand: str | None = None,
         by: str = AMBIENT,
+        *,
+        temperature: Temperature = None,
         **options: Unpack[Options],
     ) -> dict[Any, Fragility]:
         """Return a fragility curve for each temperature, or class of temperatures.
@@ -409,9 +418,12 @@ class StudyResult(Result):
             As in `fragility`.
         by : str
             Column whose values have a curve each, such as "bearing".
+        temperature : float or "pooled", optional
+            As in `fragility`, where the curves are not those of temperatures.
         """
         self._refuse_mixed(by)
-        table, by = in_classes(self.table, by)
+        runs = at_temperature(self, "pooled" if by == AMBIENT else temperature)
+        table, by = in_classes(runs.table, by)
         options.setdefault("curves", self._curves())
         demand = demand or self.default_demand
         return fragility_curves(table, demand, capacity, self.intensity, by, **options)
@@ -482,7 +494,8 @@ class StudyResult(Result):
                 # The study has drawn its temperatures from a climate or a distribution.
                 hourly = self.study.factors.ambient.hourly
                 name = CLIMATE if hourly else ALL_TEMPERATURES
-                climate = self.fragility(self.capacity, demand, name=name, **options)
+                options |= {"name": name, "temperature": "pooled"}
+                climate = self.fragility(self.capacity, demand, **options)
             elif question.temperatures is not None:
                 climate = self.over_climate(curves, self._rubber())
             self._curve_cache = question, curves, climate
@@ -500,31 +513,8 @@ class StudyResult(Result):
         return curves if climate is None else {**curves, climate.name: climate}
 
     def other_medians(self) -> dict[Any, dict[Failed, float]]:
-        """Return the medians with the other treatments of failed runs, by curve and treatment.
-
-        Those of a curve are stated if one of them differs by more than 2 % from its own. Failed
-        runs are not like the others: piers fail in the cold, where bearings are stiff. A median
-        beyond the intensities of the runs is no number to compare.
-        """
-        if not self.failed:
-            return {}
-        curves, medians = self.all_curves(), dict[Any, dict[Failed, float]]()
-        for treatment in TREATMENTS:
-            if treatment == self.question.failed:
-                continue
-            changed = self.question.model_copy(update={"failed": treatment})
-            others = StudyResult(self.table, self.study, self.manifest, self.directory, changed)
-            other_curves = {}
-            with suppress(InputError):  # too few runs are left for a regression
-                other_curves = others.all_curves()
-            for name in curves:
-                median = other_curves[name].stated_median if name in other_curves else np.nan
-                medians.setdefault(name, {})[treatment] = median
-        return {
-            name: others
-            for name, others in medians.items()
-            if any(curves[name].differs_from(median) for median in others.values())
-        }
+        """Return the medians with the other treatments of failed runs, by curve and treatment."""
+        return other_medians(self)
 
     def _rubber(self) -> Any:
         """Return rubber temperatures; ambient ones for a bilinear bearing or several bearings."""
@@ -580,6 +570,7 @@ class StudyResult(Result):
                     "over_reference": quotient,
                     "over_low": low,
                     "over_high": high,
+                    "outcome": rate.outcome,
                     "notes": "; ".join(rate.notes),
                 }
             )
@@ -630,8 +621,8 @@ class StudyResult(Result):
     def worst(self, count: int = WORST, by: str | None = None) -> "pd.DataFrame":
         """Return the worst runs and the first of each failure mode, with commands that repeat them.
 
-        By a demand of the pier, runs whose pier exceeded its limits have their place among the
-        worst ones; other failed runs have none.
+        Runs whose pier exceeded its limits have their place among the worst ones, and so have runs
+        that stopped, with their last values; other failed runs have none.
 
         Parameters
         ----------

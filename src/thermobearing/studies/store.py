@@ -120,7 +120,9 @@ def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -
                 tables.append(parquet.ParquetFile(file).read(columns=names))
         except arrow.ArrowException as error:
             raise InputError(f"cannot be read: {error}", str(path)) from None
-    joined = arrow.concat_tables([table.replace_schema_metadata(None) for table in tables])
+    without_metadata = [table.replace_schema_metadata(None) for table in tables]
+    # Shards of an earlier version may lack a column.
+    joined = arrow.concat_tables(without_metadata, promote_options="default")
     return pd.DataFrame(joined.to_pandas())
 
 

@@ -6,15 +6,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from thermobearing.border.lazy import pd
-from thermobearing.model.outcomes import MELTED
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
+from thermobearing.earthquake.result import STRAIN
+from thermobearing.earthquake.run import PIER_LIMIT, STRAIN_LIMIT
+from thermobearing.model.outcomes import MELTED, PIER_BEYOND_LIMIT
 from thermobearing.motions.record import STANDARD_GRAVITY
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import counted, joined, number, percent
 from thermobearing.report.content import words
 from thermobearing.results.base import COMPLETED
+from thermobearing.studies.curves import has_curves, other_medians, temperature_words
 from thermobearing.studies.definition.designs import AMBIENT, Plan
-from thermobearing.studies.statistics.demand import ANY, LEVEL, Failed
+from thermobearing.studies.run.shard import LEAD_LIMIT, LIMITS_PASSED
+from thermobearing.studies.statistics.comparison import CONTRADICTED
+from thermobearing.studies.statistics.demand import ANY, LEVEL, Failed, stopped_runs
 from thermobearing.studies.statistics.demand import counted as count_failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
@@ -26,6 +32,7 @@ if TYPE_CHECKING:
     from thermobearing.studies.result import StudyResult
 
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
+OF_CHOSEN = "Shares are those of the levels and distributions that were chosen for the factors."
 TOO_FEW = "too few"  # motions or levels for a number
 DISPERSION_BANDS = ("dispersion_low", "dispersion_high")
 RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
@@ -55,9 +62,21 @@ def limit_words(result: "StudyResult") -> str:
     return f"{result.capacity:g} {find_unit(result.demand_name)}".strip()
 
 
+# Columns that tell which limits a run passed; runs of earlier versions lack the first.
+FAILURE_COLUMNS = (LIMITS_PASSED, STRAIN)
+LIMIT_WORDS = {
+    STRAIN_LIMIT: f"beyond {percent(LARGEST_STRAIN)} strain",
+    LEAD_LIMIT: "with melted lead",
+    PIER_LIMIT: "with a pier beyond its limits",
+}
+# What the outcome says already.
+LIMIT_OF_OUTCOME = {MELTED: LEAD_LIMIT, PIER_BEYOND_LIMIT: PIER_LIMIT}
+
+
 def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
     """Return number, share, first run and sentence of each failure mode.
 
+    The mode of a run is what ended it; `also` counts the other limits that its runs passed before.
     Runs whose lead melted come first, then the others by frequency.
     """
     failed = table[table["outcome"] != COMPLETED]
@@ -66,9 +85,36 @@ def count_failures(table: "pd.DataFrame") -> "pd.DataFrame":
         runs=("run", "size"), first=("run", "min"), sentence=("sentence", "first")
     )
     failures.insert(1, "share", failures["runs"] / max(len(table), 1))
+    limits = _limits_passed(failed)
+    failures["also"] = [
+        joined(
+            f"{count} {LIMIT_WORDS[limit]}"
+            for limit, count in _count_limits(limits[(failed["outcome"] == outcome).to_numpy()])
+            if limit != LIMIT_OF_OUTCOME.get(str(outcome))
+        )
+        for outcome in failures.index
+    ]
     failures = failures.sort_values("runs", ascending=False, kind="stable").reset_index()
     failures = failures.sort_values("outcome", key=lambda names: names != MELTED, kind="stable")
     return failures.reset_index(drop=True)
+
+
+def _limits_passed(failed: "pd.DataFrame") -> "pd.Series":
+    """Return the names of the limits that runs passed, separated by blanks."""
+    if LIMITS_PASSED in failed:
+        return failed[LIMITS_PASSED].fillna("")
+    # Runs of earlier versions have the largest strain, but not the limits of their pier.
+    names = np.full(len(failed), "", dtype=object)
+    if STRAIN in failed:
+        names[(failed[STRAIN] > LARGEST_STRAIN).to_numpy(dtype=bool)] = STRAIN_LIMIT
+    return pd.Series(names, index=failed.index)
+
+
+def _count_limits(limits: "pd.Series") -> list[tuple[str, int]]:
+    """Return the number of runs that passed each limit, of those that some passed."""
+    passed = [set(str(text).split()) for text in limits]
+    counts = [(limit, sum(limit in names for names in passed)) for limit in LIMIT_WORDS]
+    return [(limit, count) for limit, count in counts if count]
 
 
 def failures_table(failures: "pd.DataFrame") -> Table:
@@ -79,6 +125,7 @@ def failures_table(failures: "pd.DataFrame") -> Table:
         Quantity("Share", form=".3g", name="share"),
         Quantity("First run", form="d", name="first"),
         Quantity("Explanation", name="sentence"),
+        Quantity("Of these before their end", name="also"),
     ]
     return make_table(failures, columns, "Failed runs")
 
@@ -87,9 +134,10 @@ def answer(result: "StudyResult") -> list[str]:
     """Return sentences on runs, failures, demand at both ends of the temperature, and rates."""
     modes = [
         f"{row['runs']} {row['outcome'].replace('_', ' ')}"
+        + (f", of these {row['also']}" if row["also"] else "")
         for row in count_failures(result.table).to_dict("records")
     ]
-    lost = f"; {counted(result.failed, 'run')} failed ({', '.join(modes)})" if modes else ""
+    lost = f"; {counted(result.failed, 'run')} failed ({'; '.join(modes)})" if modes else ""
     planned = int(result.manifest.get("runs", result.runs))
     completion = (
         f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
@@ -97,7 +145,7 @@ def answer(result: "StudyResult") -> list[str]:
     sentences = [f"{completion}{lost}."]
     parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
     for prefix, part in parts.items():
-        medians = _median_sentences(part, prefix) if _has_curves(result) else []
+        medians = _median_sentences(part, prefix) if has_curves(result) else []
         if not medians and AMBIENT in result.factors:
             medians = _demand_sentences(part, prefix)
         sentences += medians
@@ -105,18 +153,20 @@ def answer(result: "StudyResult") -> list[str]:
         for prefix, part in parts.items():
             curves, rates = part.find_rates()
             row = part.rates_table(curves, rates).iloc[-1]
-            where = _temperature(row["name"])
+            where = temperature_words(row["name"])
             if row["name"] in TOGETHER:
                 where = _over(row["name"])
             period = _period(rates[row["name"]])
-            warm = _temperature(list(curves)[-1])
+            warm = temperature_words(list(curves)[-1])
             ratio = ""
-            if 0.0 < row["over_reference"] < np.inf and _temperature(row["name"]) != warm:
+            if 0.0 < row["over_reference"] < np.inf and temperature_words(row["name"]) != warm:
                 ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
                 # Too few motions have no band.
                 if not rates[row["name"]].few_motions:
                     ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
             where = where if prefix else _head(where)
+            if row["outcome"] == CONTRADICTED:
+                ratio += f", of a curve that is {CONTRADICTED} by its own runs"
             sentences.append(f"{prefix}{where}: {period}{ratio}.")
     return sentences
 
@@ -167,11 +217,6 @@ def _over(name: str) -> str:
     return f"over {'the ' * (name == CLIMATE)}{name}"
 
 
-def _has_curves(result: "StudyResult") -> bool:
-    """Return whether there are fragility curves: several intensities and a capacity."""
-    return result.question.capacity is not None and result.table[result.intensity].nunique() > 1
-
-
 def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     """Return the median intensities of the coldest and warmest curve and of all together."""
     curves, unit = part.all_curves(), find_unit(part.intensity)
@@ -182,14 +227,16 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     for name in dict.fromkeys([*separate[:1], *separate[-1:], *together]):
         curve = curves[name]
         if not curve.has_median:
-            missing.append(_temperature(name) if name not in TOGETHER else _over(name))
+            missing.append(temperature_words(name) if name not in TOGETHER else _over(name))
             continue
         row = curve.row()
-        band = f" ({row['median_low']:.3g} to {row['median_high']:.3g})"
         has_band = not curve.few_motions and np.isfinite(row["median_low"])
-        stated = f"{with_intensity_unit(curve.median, unit)}{band if has_band else ''}"
+        remarks = [f"{row['median_low']:.3g} to {row['median_high']:.3g}"] * bool(has_band)
+        remarks += [CONTRADICTED] * bool(curve.misfit)
+        remark = f" ({'; '.join(remarks)})" if remarks else ""
+        stated = f"{with_intensity_unit(curve.median, unit)}{remark}"
         texts.append(
-            f"{stated} at {_temperature(name)}"
+            f"{stated} at {temperature_words(name)}"
             if name not in TOGETHER
             else f"{stated} {_over(name)}"
         )
@@ -203,7 +250,22 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     )
     return [
         f"{prefix}{the} {column_words(part.demand_name)} exceeds {limit_words(part)} with a "
-        f"probability of one half at {column_words(part.intensity)} = {joined(texts)}{none}."
+        f"probability of one half at {column_words(part.intensity)} = {joined(texts)}{none}.",
+        *_contradictions(curves, prefix),
+    ]
+
+
+def _contradictions(curves: Mapping[Any, Fragility], prefix: str) -> list[str]:
+    """Return which curves contradict their own runs, the first with its counts, as a sentence."""
+    wrong = {temperature_words(name): curve for name, curve in curves.items() if curve.misfit}
+    if not wrong:
+        return []
+    (first, curve), *others = wrong.items()
+    also = f"; also {CONTRADICTED}: {joined(name for name, _ in others)}" if others else ""
+    the = "the" if prefix else "The"
+    return [
+        f"{prefix}{the} curve ({first}) is {CONTRADICTED} by its own runs: "
+        f"{curve.misfit_words}{also}."
     ]
 
 
@@ -217,10 +279,6 @@ def _period(rate: Rate) -> str:
     last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
     band = rate.few_motions or f"{1.0 / rate.high:.3g}{last}"
     return f"exceeded once in {rate.return_period:.3g} years ({band})"
-
-
-def _temperature(name: Any) -> str:
-    return f"{number(float(name))} °C" if isinstance(name, int | float) else str(name)
 
 
 def column_units(result: "StudyResult") -> dict[str, str]:
@@ -238,14 +296,15 @@ def result_tables(result: "StudyResult") -> dict[str, Table]:
         tables["outcomes"] = failures_table(failures)
     if AMBIENT in result.factors:
         tables["demand"] = _demand_table(result)
-    if _has_curves(result):
+    if has_curves(result):
         for name, part in result.parts().items():
             tables |= _curve_tables(part, name)
     if result.has_variance:
         table = result.variance(demand)
         table["factor"] = table["factor"].map(column_words)
         note = f"{result.lost_demands().sentence}."
-        note = " ".join(filter(None, [note, sampling_note(table), _paired_note(table)]))
+        notes = (note, OF_CHOSEN, sampling_note(table), _paired_note(table))
+        note = " ".join(filter(None, notes))
         caption = f"Shares of the variance of the {column_words(demand)}"
         tables["variance"] = _table(table.drop(columns=["rows", "left_out"]), caption, note=note)
     return tables
@@ -310,8 +369,15 @@ def _paired_note(contributions: "pd.DataFrame") -> str:
 
 def worst_table(result: "StudyResult", worst: "pd.DataFrame") -> Table:
     """Return `StudyResult.worst` as a table for readers."""
-    caption = "The worst runs, and the first of each failure mode"
-    return _table(worst.drop(columns="id"), caption, units=column_units(result))
+    caption, rows = "The worst runs, and the first of each failure mode", worst.drop(columns="id")
+    by_run = result.table.set_index("run", drop=False).loc[worst["run"]]
+    stopped, note = stopped_runs(by_run), ""
+    by = next(name for name in reversed(list(map(str, worst))) if name != "command")
+    if stopped.any():
+        last_values = [f"at least {number(value, '.4g')}" for value in worst[by]]
+        rows[by] = rows[by].astype(object).where(~stopped, last_values)
+        note = "Runs that stopped have a demand of at least their last value."
+    return _table(rows, caption, units=column_units(result), note=note)
 
 
 def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
@@ -321,7 +387,7 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     curves, rates = part.find_rates() if hazard else (part.find_curves()[0], {})
     all_curves = part.all_curves()
     table = pd.DataFrame([curve.row() for curve in all_curves.values()])
-    table["name"] = [_temperature(level) for level in all_curves]
+    table["name"] = [temperature_words(level) for level in all_curves]
     ambient = _head(column_words(AMBIENT))
     im, unit = column_words(part.intensity), find_unit(part.intensity)
     medians = [end for end in map(str, table) if end.startswith("median")]
@@ -351,15 +417,16 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
                 "runs": "Runs counted",
                 "all_runs": "Of runs",
             },
-            note=_curve_notes(all_curves, part.other_medians(), unit),
+            note=_curve_notes(all_curves, other_medians(part), unit),
         )
     }
+    tables |= _count_tables(all_curves, part, name)
     if rates:
         rows = part.rates_table(curves, rates)
         few_motions = [rate.few_motions for rate in rates.values()]
         _mark_cells(rows, np.array([bool(text) for text in few_motions]), RATE_BANDS)
-        rows["name"] = rows["name"].map(_temperature)
-        over = f"Ratio to {_temperature(list(curves)[-1])}"
+        rows["name"] = rows["name"].map(temperature_words)
+        over = f"Ratio to {temperature_words(list(curves)[-1])}"
         heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
         heads |= {"return_period_years": "Return period", "over_reference": over}
         heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
@@ -373,6 +440,36 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     return tables
 
 
+def _count_tables(
+    curves: Mapping[Any, Fragility], part: "StudyResult", name: str
+) -> dict[str, Table]:
+    """Return the counts of curves that contradict their runs, which are to be used instead."""
+    rows = [
+        curve.comparison.assign(name=temperature_words(level))
+        for level, curve in curves.items()
+        if curve.contradiction
+    ]
+    if not rows:
+        return {}
+    counts = pd.concat(rows, ignore_index=True)
+    counts["share"] = counts["beyond"] / counts["runs"]
+    columns = ["name", part.intensity, "runs", "beyond", "share", "probability", "low", "high"]
+    of, ending = (f", {name}", f"-{name}") if name else ("", "")
+    level = percent(next(iter(curves.values())).level)
+    heads = {
+        "name": _head(column_words(AMBIENT)),
+        "runs": "Single curves" if part.question.method == "ida" else "Runs",
+        "beyond": "Exceedances",
+        "share": "Share of exceedances",
+        "probability": "Share of the curve",
+        "low": "Exceedances of the curve, low",
+        "high": "Exceedances of the curve, high",
+    }
+    caption = f"Counts of runs that contradict their curve{of}"
+    note = f"The ends are those of binomial intervals, {level} for all intensities together."
+    return {f"counts{ending}": _table(counts[columns], caption, heads=heads, note=note)}
+
+
 def _curve_notes(
     curves: Mapping[Any, Fragility], medians: Mapping[Any, Mapping[Failed, float]], unit: str
 ) -> str:
@@ -382,20 +479,24 @@ def _curve_notes(
     """
     notes: dict[str, list[str]] = {}
     for level, curve in curves.items():
-        text = curve.estimate.sentence or curve.sentence
-        if others := medians.get(level):
-            count = "" if text == curve.sentence else f"; {curve.sentence}"
-            stated = joined(
-                f'{with_intensity_unit(median, unit)} with failed = "{treatment}"'
-                for treatment, median in others.items()
-                if np.isfinite(median)
-            )
-            missing = joined(f'"{name}"' for name, median in others.items() if np.isnan(median))
-            text += f"{count}; the median is {stated}" if stated else count
-            text += f"; there is no median with failed = {missing}" if missing else ""
-        notes.setdefault(text, []).append(_temperature(level))
+        others = medians.get(level, {})
+        stated = joined(
+            f'{with_intensity_unit(median, unit)} with failed = "{treatment}"'
+            for treatment, median in others.items()
+            if np.isfinite(median)
+        )
+        missing = joined(f'"{name}"' for name, median in others.items() if np.isnan(median))
+        reason = curve.estimate.sentence
+        texts: tuple[str, ...] = (
+            reason,
+            "" if reason and not others else curve.sentence,
+            f"the median is {stated}" if stated else "",
+            f"there is no median with failed = {missing}" if missing else "",
+        )
+        for text in filter(None, texts):
+            notes.setdefault(text, []).append(temperature_words(level))
     for level, curve in curves.items():
-        # The numbers of a misfit, which differ from curve to curve, are in the warnings.
+        # The numbers of a misfit, which differ from curve to curve, are in a table and a warning.
         misfit = curve.misfit.partition(":")[0]
         texts = (
             curve.incomplete_levels,
@@ -407,10 +508,9 @@ def _curve_notes(
             misfit,
         )
         for text in filter(None, texts):
-            notes.setdefault(text, []).append(_temperature(level))
-    if CLIMATE in curves:
-        notes["all temperatures together"] = [CLIMATE]
-    return "; ".join(f"{joined(levels)}: {text}" for text, levels in notes.items())
+            notes.setdefault(text, []).append(temperature_words(level))
+    sentences = [f"{joined(levels)}: {text}." for text, levels in notes.items()]
+    return " ".join([*sentences, *[f"{CLIMATE}: all temperatures together."] * (CLIMATE in curves)])
 
 
 def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> None:
@@ -419,8 +519,9 @@ def _mark_too_few(table: "pd.DataFrame", curves: Mapping[Any, Fragility]) -> Non
     with_few_motions = np.array([bool(curve.few_motions) for curve in curves.values()])
     sizes = [name for name in map(str, table) if name.startswith(("median", "dispersion"))]
     # A curve is there, but no number of it is a result.
-    table.loc[beyond & (table["outcome"] == COMPLETED), "outcome"] = [
-        curve.few_words for curve in curves.values() if curve.beyond_levels and curve.estimate.known
+    table["outcome"] = [
+        curve.few_words if curve.beyond_levels and curve.outcome == COMPLETED else curve.outcome
+        for curve in curves.values()
     ]
     _mark_cells(table, beyond, sizes)
     _mark_cells(

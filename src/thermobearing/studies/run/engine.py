@@ -28,7 +28,7 @@ from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.opener import is_file
 from thermobearing.earthquake.dataset import label_analysis
-from thermobearing.earthquake.result import EarthquakeResult
+from thermobearing.earthquake.result import STRAIN, EarthquakeResult
 from thermobearing.earthquake.run import run_task
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.directory import check_target, locked
@@ -51,7 +51,7 @@ from thermobearing.studies.run.shard import (
 )
 from thermobearing.studies.statistics.demand import RANKED, worst_runs
 from thermobearing.studies.store import HISTORIES_FOLDER, MANIFEST, WORST, Store, open_or_make
-from thermobearing.studies.tables import count_failures, failures_table
+from thermobearing.studies.tables import FAILURE_COLUMNS, count_failures, failures_table
 
 if TYPE_CHECKING:
     from thermobearing.studies.result import StudyResult
@@ -142,7 +142,7 @@ def study_status(
     """Return the progress of the study in a directory, also while another process writes it."""
     store = Store(Path(directory))
     shards = store.done()
-    table = store.table(["run", "outcome", "sentence"], shards)
+    table = store.table(["run", "outcome", "sentence", *FAILURE_COLUMNS], shards)
     return Status(
         directory=store.directory,
         name=str(store.manifest["name"]),
@@ -458,7 +458,7 @@ def _keep_worst(store: Store, plan: Plan, packed_plan: bytes) -> None:
         return
     # The worst are known only when all runs are. They are computed twice, so that the histories of
     # the others need no room on the disk.
-    table = store.table(["run", "outcome", *RANKED], completed)
+    table = store.table(["run", "outcome", STRAIN, *RANKED], completed)
     worst = worst_runs(table, count)
     (work,) = _works(plan, [(0, sorted(worst))])
     repeated = compute_shard_in_process((packed_plan, True), work)

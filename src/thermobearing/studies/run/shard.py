@@ -30,14 +30,17 @@ from thermobearing.earthquake import measures
 from thermobearing.earthquake.axial import AXIAL_COLUMNS, run_extremes, with_axial_outcome
 from thermobearing.earthquake.measures import loading_speed
 from thermobearing.earthquake.run import (
+    STRAIN_LIMIT,
     Task,
     ended_unstable,
     find_outcome,
+    largest_rotations,
     lines_to_shake,
+    passed_limits,
     run_task,
 )
 from thermobearing.laws import load_again, loaded_files
-from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES, UNSTABLE
+from thermobearing.model.outcomes import ALL_SENTENCES, AXIAL_SENTENCES, MELTED, UNSTABLE
 from thermobearing.quantities.register import quantity
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.metrics import BALANCE
@@ -59,7 +62,9 @@ BAD_INPUT: Final = "bad_input"  # a drawn number that gives no valid bearing or 
 BROKEN: Final = "broken"  # an error of this program
 BEYOND_TESTED: Final = "beyond_tested"
 DAMPING: Final = "damping_of_input"
-TEXTS: Final = ("outcome", "sentence", BEYOND_TESTED)
+LIMITS_PASSED: Final = "limits_passed"
+LEAD_LIMIT: Final = "lead_temperature"
+TEXTS: Final = ("outcome", "sentence", BEYOND_TESTED, LIMITS_PASSED)
 COUNTS: Final = ("steps", "iterations", "substeps")
 OF_RUN: Final = {  # columns of an earthquake analysis: name of the measure
     name: quantity(name).variable
@@ -91,6 +96,7 @@ RESULT_COLUMNS: Final = (  # of the table of runs, after those of the plan
     "deck_displacement_residual_mm",
     "rubber_max_degC",
     "lead_max_degC",
+    LIMITS_PASSED,
     BEYOND_TESTED,
     DAMPING,
     "structure_residual",
@@ -160,6 +166,7 @@ def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]
         task,
         measures.compute_measures(task, history, traces, (lines, piers)),
         end_displacements=np.array(end_displacements),
+        rotations=largest_rotations(history),
         tops=[row[DRIFTS] for row in piers],
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
@@ -186,6 +193,7 @@ def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
         task,
         measured,
         end_displacements=peaks.bearings["displacement"],
+        rotations=peaks.hinges["rotation"].tolist(),
         tops=tops,
         deck=measures.with_resultant(peaks.watches["residual"])[DECK],
         rubber=(
@@ -317,6 +325,7 @@ def _row(
     measured: Mapping[str, Any],
     *,
     end_displacements: Floats,
+    rotations: Sequence[Any],
     tops: Sequence[Any],
     deck: Any,
     rubber: Iterable[float],
@@ -325,6 +334,10 @@ def _row(
 ) -> dict[str, Any]:
     """Return all columns, from the measures of a run and those that only a study has."""
     outcome = measured["outcome"]
+    # In the order of time as far as peaks tell: a run ends where its lead melts.
+    limits = passed_limits(task, [line[0] for line in extents], rotations, tops)
+    if outcome == MELTED:
+        limits.insert(int(STRAIN_LIMIT in limits), LEAD_LIMIT)
     if end_displacements.ndim > 1:  # in plan
         end_displacements = lengths(end_displacements)
     return {
@@ -336,6 +349,7 @@ def _row(
         "deck_displacement_residual_mm": _overall(deck),
         "rubber_max_degC": _hottest(rubber),
         "lead_max_degC": _hottest(lead),
+        LIMITS_PASSED: " ".join(limits),
         BEYOND_TESTED: _beyond_tested(task, extents),
         DAMPING: float(
             measures.damping_share(measured["energy_damping"], measured["energy_input"])
@@ -355,7 +369,7 @@ def _not_run(error: Exception) -> Measured:
     if isinstance(error, InputError):
         outcome, sentence = BAD_INPUT, " ".join(str(error).split())
     numbers = {name: 0 if name in COUNTS else np.nan for name in (*RESULT_COLUMNS, *AXIAL_COLUMNS)}
-    texts = {"outcome": outcome, "sentence": sentence, BEYOND_TESTED: ""}
+    texts = {"outcome": outcome, "sentence": sentence, BEYOND_TESTED: "", LIMITS_PASSED: ""}
     return Measured(numbers | texts)
 
 

@@ -221,28 +221,24 @@ def failure_rule(demand: str, failed: Failed) -> str:
     """Return the one rule for failed runs in the statistics of a demand, as a sentence."""
     if failed == "collapse":
         return (
-            'Failed runs count as collapse (failed = "collapse"); those with bad input are left '
-            "out."
+            'Failed runs count as collapse (failed = "collapse"). Runs with bad input are left out.'
         )
-    of_pier = (
-        "A run whose pier exceeded its limits counts as collapse, since it exceeds every capacity "
-        "of the pier"
-    )
+    of_pier = "A run whose pier exceeded its limits counts as collapse: it exceeds every capacity."
     if failed == COMPUTED:
-        computed = "A run whose pier exceeded its limits counts with the demand that was computed"
+        computed = "A run whose pier exceeded its limits counts with the demand that was computed."
         return (
-            f"{of_pier if is_of_pier(demand) else computed}; one that stopped early counts as "
-            "larger than its last value, so that a fragility of a capacity above that leaves it "
-            'out (failed = "computed"; others are "left-out" and "collapse").'
+            f"{of_pier if is_of_pier(demand) else computed} A run that stopped early counts as "
+            "larger than its last value. A fragility of a capacity above that value leaves it out "
+            '(failed = "computed"; others are "left-out" and "collapse").'
         )
     pier = (
-        f"{of_pier}; other failed runs"
+        f"{of_pier} Other failed runs"
         if is_of_pier(demand)
         else "Failed runs, also those whose pier exceeded its limits,"
     )
     return (
-        f'{pier} are left out (failed = "left-out"; "computed" counts the demand that was '
-        'computed, "collapse" counts them as collapse).'
+        f'{pier} are left out (failed = "left-out"). With "computed" the demand that was computed '
+        'counts, with "collapse" they count as collapse.'
     )
 
 
@@ -288,7 +284,7 @@ def counted(
         exceeding = table[OUTCOME].isin(modes).to_numpy(dtype=bool)
     if OUTCOME in table and failed == COMPUTED:
         computed = ~exceeding & _computed_to_the_end(table) & np.isfinite(values)
-        stopped = ~exceeding & _stopped(table) & (values >= capacity)
+        stopped = ~exceeding & stopped_runs(table) & (values >= capacity)
         exceeding = exceeding | stopped
     _refuse_missing(values, completed, demand)
     kept = completed | exceeding | computed
@@ -331,7 +327,7 @@ def _computed_to_the_end(table: "pd.DataFrame") -> NDArray[np.bool_]:
     return np.asarray(table[OUTCOME] == PIER_BEYOND_LIMIT, dtype=bool)
 
 
-def _stopped(table: "pd.DataFrame") -> NDArray[np.bool_]:
+def stopped_runs(table: "pd.DataFrame") -> NDArray[np.bool_]:
     """Return which runs ended early at a limit of a bearing, with peaks that are valid until then.
 
     Of a run that is not physical only a torn bearing leaves valid peaks: temperatures that do not
@@ -429,7 +425,7 @@ def demand_against(
     demands = np.full(len(table), np.nan)
     demands[runs.kept] = runs.demand
     if least and failed == COMPUTED and OUTCOME in table:
-        stopped = _stopped(table) & np.isfinite(_numbers(table, demand))
+        stopped = stopped_runs(table) & np.isfinite(_numbers(table, demand))
         demands[stopped] = _numbers(table, demand)[stopped]
     motions = column(table, MOTION) if MOTION in table else None
     draw = Draw.of_labels(motions, len(table))
@@ -457,16 +453,37 @@ def _median_band(ordered: Floats, draw: Draw) -> dict[str, float]:
     groups = len(np.unique(draw.groups))
     if groups < LEAST_MOTIONS:
         return {"median_low": np.nan, "median_high": np.nan}
-    medians = []
-    for weights in draw.weights():
-        rows = max(1, MOST_AT_ONCE // len(ordered))
-        for first in range(0, len(weights), rows):
-            sums = weights[first : first + rows][:, draw.groups].cumsum(axis=1)
-            # Motions without a run here may be drawn alone: such samples have no median.
-            sums = sums[sums[:, -1] > 0.0]
-            medians.append(ordered[(sums >= 0.5 * sums[:, -1:]).argmax(axis=1)])
+    medians = [_medians(ordered, draw.groups, weights) for weights in draw.weights()]
     low, high = percentiles(np.concatenate(medians), widened(LEVEL, groups))
     return {"median_low": float(low), "median_high": float(high)}
+
+
+def _medians(ordered: Floats, groups: Ints, weights: Floats) -> Floats:
+    """Return the median of ordered values in each sample [samples, groups] that has any.
+
+    It is the first value up to which there is half of the weight. Weights are whole numbers, whose
+    sums are exact in any order: those at the ends of blocks tell the block, and those inside it the
+    value, without the sums up to every value.
+    """
+    count, motions = len(ordered), weights.shape[1]
+    blocks = int(np.clip(np.sqrt(count), 1, max(MOST_AT_ONCE // motions, 1)))
+    size = -(-count // blocks)
+    blocks = -(-count // size)
+    cells = np.arange(count) // size * motions + groups
+    rows = np.bincount(cells, minlength=blocks * motions).reshape(blocks, motions)
+    sums = weights @ rows.cumsum(axis=0).T.astype(float)
+    # Motions without a run here may be drawn alone: such samples have no median.
+    drawn = sums[:, -1] > 0.0
+    weights, sums = weights[drawn], sums[drawn]
+    half = 0.5 * sums[:, -1]
+    block = (sums >= half[:, None]).argmax(axis=1)
+    sample = np.arange(len(weights))
+    before = np.where(block > 0, sums[sample, block - 1], 0.0)
+    # Beyond the last value the last block repeats it, where the half is reached already.
+    places = np.minimum(block[:, None] * size + np.arange(size), count - 1)
+    inside = weights[sample[:, None], groups[places]].cumsum(axis=1)
+    first = (before[:, None] + inside >= half[:, None]).argmax(axis=1)
+    return np.asarray(ordered[places[sample, first]])
 
 
 def _spread(ordered: Floats) -> dict[str, float]:
@@ -508,15 +525,16 @@ def ranked_by(table: "pd.DataFrame") -> str:
 def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None) -> list[int]:
     """Return the numbers of the runs with the largest demand, in decreasing order.
 
-    By a demand of the pier, also those whose pier exceeded its limits; no other failed runs.
+    Also those whose pier exceeded its limits, and those that stopped, with their last values; no
+    other failed runs.
     """
-    if not table[OUTCOME].isin(RANKED_OUTCOMES).any():
+    ranked = table[OUTCOME].isin(RANKED_OUTCOMES).to_numpy(dtype=bool) | stopped_runs(table)
+    if not ranked.any():
         return []
     by = by or ranked_by(table)
-    outcomes = RANKED_OUTCOMES if is_of_pier(by) else WITH_NUMBERS
-    completed = table[table[OUTCOME].isin(outcomes)]
-    order = order_from_largest(_numbers(completed, by))
-    return [int(run) for run in completed["run"].iloc[order[:count]]]
+    runs = table[ranked & np.isfinite(_numbers(table, by))]
+    order = order_from_largest(_numbers(runs, by))
+    return [int(run) for run in runs["run"].iloc[order[:count]]]
 
 
 # Column with the values of a limit, of which tables tell the side that a run is outside on.

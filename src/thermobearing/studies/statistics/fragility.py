@@ -20,6 +20,7 @@ the time (total probability): the temperature is independent of the size of an e
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack, get_args
 
 import numpy as np
@@ -32,6 +33,13 @@ from thermobearing.core.records import Floats
 from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
+from thermobearing.studies.statistics.comparison import (
+    CONTRADICTED,
+    Contradiction,
+    compare_counts,
+    find_contradiction,
+    reached_counts,
+)
 from thermobearing.studies.statistics.demand import (
     COMPUTED,
     FEW_BEYOND,
@@ -56,7 +64,6 @@ from thermobearing.studies.statistics.likelihood import (
     Estimate,
     cloud,
     counts,
-    furthest_class,
     incremental,
     pivoted,
     stripes,
@@ -75,6 +82,17 @@ WITH_COLLAPSE = (
     "half of ln(im_84/im_16) of the intensities where it has 84 and 16 %"
 )
 NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
+CONTRADICTS = "the curve contradicts its own runs"
+NOT_LOGNORMAL = (
+    "one lognormal curve does not describe them: use the shares of runs at each intensity, "
+    'intensities closer together, or method = "cloud" with failed = "collapse", whose curve has a '
+    "part for collapse"
+)
+INSTEAD = {  # what to use in place of a curve that contradicts its runs
+    "cloud": "the demand is not log-linear with constant scatter: use stripes",
+    "stripes": NOT_LOGNORMAL,
+    "ida": NOT_LOGNORMAL,
+}
 UNITS = {name: INTENSITY_UNITS[measure].replace("^2", "²") for measure, name in COLUMNS.items()}
 
 
@@ -121,12 +139,15 @@ class Fragility:
     larger: int = 0  # number of the collapsed that stopped beyond the capacity
     # number of runs that count and of all, at intensities where more than a few are left out
     incomplete: Mapping[float, tuple[int, int]] = field(default_factory=dict)
+    # of IDA: for each intensity number of single curves, and of those that reached the capacity
+    reached: "pd.DataFrame | None" = None
+    contradicted: Sequence[str] = ()  # of several curves: names of those that contradict their runs
 
     def __repr__(self) -> str:
         """Return method, question and median on one line; `row` has all numbers."""
         of = f"{self.name}: " if self.name else ""
         median = f"median {self.median:.4g}" if self.median == self.median else self.outcome
-        remark = self.beyond_levels or ("contradicts its own runs" if self.misfit else "")
+        remark = self.beyond_levels or (CONTRADICTS.removeprefix("the curve ") * bool(self.misfit))
         remark = f" ({remark})" if remark else ""
         dispersion = f", dispersion {self.dispersion:.3g}" if self.dispersion > 0.0 else ""
         exceedances = int(self.counts["beyond"].sum())
@@ -158,8 +179,11 @@ class Fragility:
 
     @property
     def outcome(self) -> str:
-        """The word "completed", or why there is no lognormal curve, such as "none_beyond"."""
-        return self.estimate.outcome
+        """The word "completed", "contradicted" by its own runs, or why there is no curve.
+
+        The reasons are "none_beyond", "all_beyond", "apart", "not_rising" and "one_beyond".
+        """
+        return CONTRADICTED if self.misfit else self.estimate.outcome
 
     @property
     def median(self) -> float:
@@ -278,25 +302,45 @@ class Fragility:
             "so that intensities near the median are worth adding"
         )
 
+    @cached_property
+    def comparison(self) -> "pd.DataFrame":
+        """Counts of runs with the share of the curve and its binomial interval.
+
+        See `comparison.compare_counts`; of IDA the counts are those of single curves.
+        """
+        counts = self.counts if self.reached is None else self.reached
+        return compare_counts(counts, self.intensity, self.probability, self.level)
+
+    @cached_property
+    def contradiction(self) -> Contradiction | None:
+        """The count of its own runs that contradicts one curve most; None where none does."""
+        if len(self.parts) > 1 or not self.estimate.known:
+            return None
+        return find_contradiction(self.comparison, self.intensity)
+
+    @property
+    def misfit_words(self) -> str:
+        """Which count contradicts the curve, or which curves of several; "" where none does."""
+        if self.contradiction is None:
+            names = joined(self.contradicted)
+            return f"it is the mean of curves that do ({names})" if names else ""
+        at, beyond, runs, low, high = self.contradiction
+        place = with_intensity_unit(at, UNITS.get(self.intensity, ""))
+        subject = "runs exceed" if self.reached is None else "single curves reach"
+        return (
+            f"at {place} {beyond} of {runs} {subject} the capacity, where the curve has "
+            f"{low} to {high}"
+        )
+
     @property
     def misfit(self) -> str:
-        """Why a cloud contradicts the exceedances of its own runs; "" where it does not.
-
-        The counts of all classes of intensities are compared with binomial intervals of the curve,
-        see `furthest_class`.
-        """
-        if self.method != "cloud" or len(self.parts) > 1 or not self.estimate.known:
-            return ""
-        row = furthest_class(self.counts, self.intensity, self.estimate, self.level)
-        if row is None:
-            return ""
-        at, beyond, runs, low, high = row
-        place = with_intensity_unit(at, UNITS.get(self.intensity, ""))
+        """Why the curve contradicts the exceedances of its own runs; "" where it does not."""
+        sentence = f"{CONTRADICTS}: {self.misfit_words}" if self.misfit_words else ""
+        if self.contradiction is None:
+            return sentence
         return (
-            f"the curve of the cloud contradicts its own runs: at {place} {beyond} of {runs} runs "
-            f"exceed the capacity, where the curve has {low} to {high} (binomial, "
-            f"{percent(self.level)} for all intensities together); the demand is not log-linear "
-            "with constant scatter, or the runs are not independent: use stripes"
+            f"{sentence} (binomial, {percent(self.level)} for all {len(self.comparison)} "
+            f"intensities together, of independent runs); {INSTEAD[self.method]}"
         )
 
     def probability(self, intensity: Any) -> Floats:
@@ -328,7 +372,7 @@ class Fragility:
         median_low = median_high = dispersion_low = dispersion_high = np.nan
         # The mean of several curves is no lognormal one, and has no band of its parameters.
         is_one = len(self.parts) == 1
-        if is_one and self.outcome in (COMPLETED, NONE_BEYOND):
+        if is_one and self.estimate.outcome in (COMPLETED, NONE_BEYOND):
             # A sample in which no run exceeds the capacity has an infinite place, and so may the
             # end of the band.
             medians = np.exp(np.minimum(self.estimate.medians, LARGEST_LOGARITHM))
@@ -372,7 +416,7 @@ def combine_curves(
         raise InputError("each temperature needs a share of the time; their sum must be 1")
     if len({len(curve.estimate.samples.place) for curve in fragilities}) > 1:
         raise InputError("the curves of a climate need the same number of bootstrap samples")
-    weighted = zip(shares.tolist(), fragilities, strict=True)
+    weighted = list(zip(shares.tolist(), fragilities, strict=True))
     counts = pd.concat([curve.counts for curve in fragilities])
     return replace(
         fragilities[0],
@@ -385,6 +429,10 @@ def combine_curves(
         computed=sum(curve.computed for curve in fragilities),
         larger=sum(curve.larger for curve in fragilities),
         incomplete={},  # those of the temperatures stay with their curves
+        reached=None,
+        contradicted=[
+            curve.name for share, curve in weighted if share > 0.0 and curve.contradiction
+        ],
     )
 
 
@@ -486,7 +534,7 @@ def _fragility(
             f"all runs have {intensity} = {at[0]:g}: a curve needs at least two intensities"
         )
     draw = draw.of(runs.kept)
-    beyond = runs.demand >= capacity
+    beyond, reached = runs.demand >= capacity, None
     if method == "stripes":
         estimate = stripes(at, beyond, draw, UNITS.get(intensity, ""))
     elif method == "cloud":
@@ -498,6 +546,7 @@ def _fragility(
         curve_groups = draw.groups[[curve.first for curve in ida.curves]]
         crossings = ida.crossings(capacity)
         estimate = incremental(crossings, curve_groups, draw, UNITS.get(intensity, ""))
+        reached = reached_counts(crossings, at, intensity)
     return Fragility(
         name=name,
         method=method,
@@ -513,6 +562,7 @@ def _fragility(
         computed=runs.computed,
         larger=runs.larger,
         incomplete=_incomplete(table[intensity].to_numpy(dtype=float), runs.kept),
+        reached=reached,
     )
 
 

@@ -21,6 +21,7 @@ import numpy as np
 
 from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
+from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.record import INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility, describe_few
@@ -35,6 +36,7 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step
 # Notes: probability of exceedance at the first intensity of the hazard curve; share of the rate
 # that larger intensities than the last may add.
 TOO_LATE, TOO_EARLY = 0.01, 0.05
+RATE_OF_MISFIT = "the rate is that of a curve that contradicts its own runs"
 
 
 @dataclass(frozen=True)
@@ -120,6 +122,7 @@ class Rate:
     family: Floats  # of each bootstrap sample
     notes: tuple[str, ...] = ()  # on intensities outside the hazard curve
     groups: int = 0  # motions that the bootstrap draws from; 0 where it does not matter
+    outcome: str = COMPLETED  # that of the fragility curve, such as "contradicted"
 
     @property
     def few_motions(self) -> str:
@@ -167,8 +170,17 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
             f"the hazard curve ends at {ends}: larger earthquakes may add more "
             f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
-    low_rate = float(low[0]) if rate != 0.0 else 0.0
-    return Rate(rate, low_rate, float(high[0]), family, tuple(notes), curve.estimate.groups)
+    if curve.misfit:
+        notes.append(RATE_OF_MISFIT)
+    return Rate(
+        rate=rate,
+        low=float(low[0]) if rate != 0.0 else 0.0,
+        high=float(high[0]),
+        family=family,
+        notes=tuple(notes),
+        groups=curve.estimate.groups,
+        outcome=curve.outcome,
+    )
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:

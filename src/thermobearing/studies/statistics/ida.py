@@ -16,6 +16,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.studies.statistics.demand import (
+    ANY,
     COMPUTED,
     MOTION,
     Counted,
@@ -123,9 +124,14 @@ def ida_curves(
     by: Sequence[str] = (MOTION,),
     *,
     failed: Failed = COMPUTED,
+    capacity: float = ANY,
 ) -> Ida:
-    """Return curves of incremental dynamic analysis; the columns `by` identify them."""
-    runs = counted(table, demand, failed)
+    """Return curves of incremental dynamic analysis; the columns `by` identify them.
+
+    Failed runs count as in the fragility of the `capacity`; without one, a run that stopped is
+    larger than all others.
+    """
+    runs = counted(table, demand, failed, capacity)
     return curves_of(runs, positive(runs.table, intensity), demand, intensity, by)
 
 

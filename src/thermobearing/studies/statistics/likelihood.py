@@ -573,36 +573,6 @@ def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw, unit: str = "")
     return Estimate(best, samples, between=int(between.sum()), ratio=ratio)
 
 
-MOST_COMPARED = 10  # classes of intensities in which a curve is compared with the counts
-
-
-def furthest_class(
-    counts: "pd.DataFrame", name: str, estimate: Estimate, level: float
-) -> tuple[float, int, int, int, int] | None:
-    """Return the class of intensities whose count is furthest from a curve, if a count is unlikely.
-
-    Each class has the intensities of one row of `counts`, or of several rows, so that there are at
-    most ten classes. A count is unlikely outside the binomial interval of the curve; the intervals
-    contain the counts of all classes together with the confidence `level` (Bonferroni), if the runs
-    are independent. Returns the mean intensity, exceedances, runs, and the ends of the interval;
-    None where all counts are likely.
-    """
-    at, runs, beyond = (counts[column].to_numpy(dtype=float) for column in (name, "runs", "beyond"))
-    parts = np.array_split(np.arange(len(at)), min(len(at), MOST_COMPARED))
-    tail = 0.5 * (1.0 - level) / len(parts)
-    unlikely: list[tuple[float, tuple[float, int, int, int, int]]] = []
-    for part in parts:
-        total, over = int(runs[part].sum()), int(beyond[part].sum())
-        share = float((runs[part] * estimate.probability(at[part])).sum() / total)
-        possible = np.arange(total + 1.0)
-        below = scipy.special.bdtr(possible, total, share)  # probability of at most so many
-        low, high = (int(np.argmax(below >= end)) for end in (tail, 1.0 - tail))
-        if not low <= over <= high:
-            mean = float(np.exp((runs[part] * np.log(at[part])).sum() / total))
-            unlikely.append((abs(over / total - share), (mean, over, total, low, high)))
-    return max(unlikely)[1] if unlikely else None
-
-
 def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     """Return the lognormal curve of a regression of demands, of which infinite ones collapse."""
     stood = np.isfinite(demand)

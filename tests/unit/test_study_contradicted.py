@@ -1,0 +1,168 @@
+"""Fragility curves that their own runs contradict, and runs that stopped at a limit, in a study."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.testing import assert_allclose
+from typer.testing import CliRunner
+
+from tests.unit.made_up_study import HAZARD, ask, drawn, legend_labels, made_up
+from thermobearing.border.errors import InputError
+from thermobearing.commands.study import studies as app
+from thermobearing.studies.question import save_question
+from thermobearing.studies.report import write_pelicun
+from thermobearing.studies.result import StudyResult
+from thermobearing.studies.statistics.demand import counted, worst_runs
+from thermobearing.studies.tables import count_failures, result_tables, worst_table
+
+COLD = -20.0
+
+
+def with_step() -> StudyResult:
+    """Half of the runs exceed the capacity at all but the smallest intensity, in the cold."""
+    part = made_up().parts()["shen-hdr-bridge"]
+    levels = {scale: k for k, scale in enumerate(np.unique(part.table["scale"]))}
+    # 30 motions at each intensity, so that a count of a half is unlikely where a curve has none.
+    table = pd.concat(
+        [part.table.assign(motion=part.table["motion"].astype(str) + f"-{k}") for k in range(5)],
+        ignore_index=True,
+    )
+    level = table["scale"].map(levels)
+    number = table["motion"].astype("category").cat.codes
+    cold = np.where(number % 2 == 0, level > 0, level == 5)
+    beyond = np.where(table["ambient_degC"] == COLD, cold, level > number % 4)
+    table = table.assign(
+        run=range(len(table)),
+        PGA_m_s2=8.0 * table["scale"],
+        pier_ductility=np.where(beyond, 1.5, 0.5),
+        outcome="completed",
+    )
+    return StudyResult(table, part.study, {"runs": len(table)}, "out/step")
+
+
+def stopped() -> StudyResult:
+    """Lead melts in the three strongest runs, two of which pass 500 % strain before."""
+    part = made_up().parts()["shen-hdr-bridge"].select(ambient_degC=COLD)
+    strain = part.table["PGA_m_s2"] / 2.0
+    order = strain.rank(method="first", ascending=False)
+    table = part.table.assign(
+        bearing_strain_max=np.where(order <= 2, 6.0 - 0.1 * order, np.where(order == 3, 4.0, 0.3)),
+        outcome=np.where(order <= 3, "lead_melted", "completed"),
+        pier_ductility=part.table["PGA_m_s2"] / 8.0,
+    )
+    return StudyResult(table, part.study, part.manifest, "out/stopped")
+
+
+@pytest.mark.parametrize("method", ["stripes", "ida"])
+def test_a_contradicted_curve_says_so_wherever_it_is_stated(method: Any, tmp_path: Path) -> None:
+    temperatures = np.linspace(-20.0, 23.0, 50)
+    result = ask(with_step(), temperatures, capacity=1.0, method=method, hazard=HAZARD)
+    curves = result.all_curves()
+    outcomes = {name: curve.outcome for name, curve in curves.items()}
+    assert outcomes == {
+        COLD: "contradicted",
+        0.0: "completed",
+        23.0: "completed",
+        "climate": "contradicted",
+    }
+    tables = result_tables(result)
+    frame = {row[0]: row for row in tables["fragility"].rows}
+    assert "contradicted" in frame["−20 °C"]
+    assert "contradicted" not in frame["0 °C"]
+    counts = tables["counts"].rows
+    assert {row[0] for row in counts} == {"−20 °C"}
+    assert [row[2:4] for row in counts] == [[30, 0], *[[30, 15]] * 4, [30, 30]]
+    assert ["contradicted" in row for row in tables["rates"].rows] == [True, False, False, True]
+    texts = " ".join(result.notes())
+    assert texts.count("contradicted") >= 3
+    codes = [getattr(text, "code", "") for text in result.warnings]
+    assert "curve_contradicted" in codes
+    figure = result.plot.fragility()
+    labels = legend_labels(figure)
+    assert labels[0] == "−20 °C (contradicted)"
+    assert "contradicted" not in labels[1]
+    assert "contradicted" in figure.axes[0].get_title(loc="left")
+    ticks = [text.get_text() for text in result.plot.rates().axes[1].get_xticklabels()]
+    assert ["contradicted" in text for text in ticks] == [True, False, False, True]
+    told = write_pelicun(result, tmp_path / "pelicun")
+    damage = pd.read_csv(tmp_path / "pelicun" / "damage.csv")
+    assert damage["Incomplete"].tolist() == [1, 0, 0]
+    assert len(told) == 1
+    assert told[0].startswith(str(damage["ID"][0]))
+
+
+def test_runs_that_stopped_are_counted_in_each_mode_and_ranked() -> None:
+    result = stopped()
+    (row,) = count_failures(result.table).to_dict("records")
+    assert (row["outcome"], row["runs"]) == ("lead_melted", 3)
+    assert row["also"] == "2 beyond 500 % strain"
+    assert row["also"] in result.notes()[0]
+    # The column of newer runs, also of a pier beyond its limits; the outcome is not repeated.
+    limits = np.where(result.table["outcome"] == "lead_melted", "strain lead_temperature pier", "")
+    (row,) = count_failures(result.table.assign(limits_passed=limits)).to_dict("records")
+    assert row["also"] == "3 beyond 500 % strain and 3 with a pier beyond its limits"
+    assert count_failures(result.table[result.table["outcome"] == "completed"])["also"].empty
+    worst = result.worst(4, "bearing_strain_max")
+    assert worst["outcome"].tolist() == ["lead_melted"] * 3 + ["completed"]
+    assert_allclose(worst["bearing_strain_max"], [5.9, 5.8, 4.0, 0.3])
+    shown = worst_table(result, worst.drop(columns="command"))
+    assert [row[-1] for row in shown.rows] == ["at least 5.9", "at least 5.8", "at least 4", 0.3]
+    assert shown.note
+    completed = result.select(outcome="completed").worst(1, "bearing_strain_max")
+    assert not worst_table(result, completed).note
+    assert worst_runs(result.table.assign(outcome="diverged"), 3) == []
+
+
+def test_the_figure_of_ida_counts_runs_as_its_capacity_does() -> None:
+    """A run that stopped beyond the capacity is a collapse in curves, fractiles and the median."""
+    result = ask(stopped(), capacity=2.5, demand="bearing_strain_max", method="ida")
+    drawn_curves = result.ida("bearing_strain_max", capacity=2.5).curves
+    infinite = sum(int(np.isinf(curve.demand).sum()) for curve in drawn_curves)
+    counted_runs = counted(result.table, "bearing_strain_max", "computed", 2.5)
+    assert infinite == counted_runs.larger == 3
+    (curve,) = result.find_curves()[0].values()
+    assert curve.larger == 3
+    note = result.plot.ida().legends[0].get_title().get_text().replace("\n", " ")
+    assert curve.sentence in note
+    assert "last before collapse or stop" in legend_labels(result.plot.ida())
+    # Without a capacity all runs that stopped are larger than their last values.
+    assert sum(int(np.isinf(c.demand).any()) for c in result.ida("bearing_strain_max").curves) > 0
+    above = result.ida("bearing_strain_max", capacity=5.85).curves
+    assert sum(int(np.isinf(curve.demand).sum()) for curve in above) == 1
+
+
+def test_a_curve_is_of_one_temperature_unless_all_are_asked_for() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    with pytest.raises(InputError, match=r'temperature = -20 or 0 or 23 .*"pooled"'):
+        part.fragility(1.0)
+    with pytest.raises(InputError, match="no run has temperature = 5"):
+        part.fragility(1.0, temperature=5.0)
+    with pytest.raises(InputError, match="3 temperatures"):
+        made_up().fragilities(1.0, by="bearing")
+    cold = part.fragility(1.0, temperature=COLD, samples=5)
+    assert cold.row()["median"] == part.fragilities(1.0, samples=5)[COLD].row()["median"]
+    assert part.fragility(1.0, temperature="pooled", samples=5).runs > 2 * cold.runs
+    assert drawn(paired=False).fragility(1.0, samples=5).runs == drawn(paired=False).runs
+    by = made_up().fragilities(1.0, by="bearing", temperature=COLD, samples=5)
+    assert by["shen-hdr-bridge"].median == cold.median
+
+
+def test_figures_of_another_method_replace_no_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folders = []
+    whole = ask(made_up(), capacity=1.0)
+    monkeypatch.setattr("thermobearing.studies.result.study_result", lambda *_: whole)
+
+    def note_folder(self: Any, folder: Path, **options: Any) -> list[Path]:
+        folders.append(folder.relative_to(tmp_path).as_posix())
+        return []
+
+    monkeypatch.setattr(type(whole.plot), "save_all", note_folder)
+    save_question(tmp_path, whole.question)
+    for method in ("stripes", "cloud"):
+        CliRunner().invoke(app, ["figures", str(tmp_path), "--method", method, "--quiet"])
+    assert folders == ["figures", "figures/cloud"]
