@@ -228,6 +228,17 @@ def test_capacities_that_are_not_known_contradict_no_curve() -> None:
     assert len(reached_counts(crossings, np.geomspace(1.0, 9.0, 200), "im")) == 10
 
 
+@pytest.mark.parametrize(("share", "contradicts"), [(0.54, False), (0.56, True)])
+def test_small_differences_of_very_many_runs_contradict_no_curve(
+    share: float, contradicts: bool
+) -> None:
+    runs = 100_000
+    counts = pd.DataFrame({"im": [1.0], "runs": [runs], "beyond": [int(share * runs)]})
+    compared = compare_counts(counts, "im", lambda im: np.full(len(im), 0.5), 0.95)
+    assert compared["high"][0] < counts["beyond"][0]
+    assert (find_contradiction(compared, "im") is not None) == contradicts
+
+
 def test_the_mean_of_curves_that_contradict_their_runs_does_so_too() -> None:
     cold = shares_with_a_step().assign(motion=lambda t: t["motion"] % 40, ambient_degC=-20.0)
     cold = pd.concat([cold.assign(motion=cold["motion"] + 40 * k) for k in range(3)])

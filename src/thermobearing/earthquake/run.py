@@ -324,7 +324,7 @@ def passed_limits(
 ) -> list[str]:
     """Return which limits a run passed up to its end, early or not: "strain" and "pier".
 
-    Its peaks tell; which of both limits was passed first they do not.
+    The peaks of the run show them, but not which of both was passed first.
 
     `displacements`, `rotations` and `top_displacements` are the largest of each bearing [mm], hinge
     [rad] and pier top [mm].

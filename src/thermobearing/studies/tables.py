@@ -125,7 +125,7 @@ def failures_table(failures: "pd.DataFrame") -> Table:
         Quantity("Share", form=".3g", name="share"),
         Quantity("First run", form="d", name="first"),
         Quantity("Explanation", name="sentence"),
-        Quantity("Of these before their end", name="also"),
+        Quantity("Of these", name="also"),
     ]
     return make_table(failures, columns, "Failed runs")
 

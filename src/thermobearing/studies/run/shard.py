@@ -334,7 +334,7 @@ def _row(
 ) -> dict[str, Any]:
     """Return all columns, from the measures of a run and those that only a study has."""
     outcome = measured["outcome"]
-    # In the order of time as far as peaks tell: a run ends where its lead melts.
+    # In the order of time as far as peaks show it: a run ends where its lead melts.
     limits = passed_limits(task, [line[0] for line in extents], rotations, tops)
     if outcome == MELTED:
         limits.insert(int(STRAIN_LIMIT in limits), LEAD_LIMIT)

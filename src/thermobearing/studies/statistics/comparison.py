@@ -17,6 +17,8 @@ from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 
 CONTRADICTED = "contradicted"  # outcome of a curve whose own runs are unlikely
+# Of shares, our choice: of very many runs, smaller differences are significant and do not matter.
+LEAST_DIFFERENCE = 0.05
 MOST_COMPARED = 10  # classes of intensities in which a curve is compared with the counts
 
 
@@ -94,13 +96,13 @@ def find_contradiction(comparison: "pd.DataFrame", name: str) -> Contradiction |
     """Return the count that is furthest outside the interval of a curve; None if all are likely.
 
     `comparison` is from `compare_counts`. Of a count that is not known, the nearest possible number
-    counts.
+    counts. Shares that differ by less than `LEAST_DIFFERENCE` contradict no curve.
     """
     unlikely: list[tuple[float, Contradiction]] = []
     for row in comparison.to_dict("records"):
         beyond = int(np.clip(round(row["runs"] * row["probability"]), row["beyond"], row["most"]))
-        if not row["low"] <= beyond <= row["high"]:
-            distance = abs(beyond / row["runs"] - row["probability"])
+        distance = abs(beyond / row["runs"] - row["probability"])
+        if distance > LEAST_DIFFERENCE and not row["low"] <= beyond <= row["high"]:
             numbers = (int(row["runs"]), int(row["low"]), int(row["high"]))
             unlikely.append((distance, Contradiction(float(row[name]), beyond, *numbers)))
     return max(unlikely)[1] if unlikely else None

@@ -450,7 +450,7 @@ def demand_against(
 
 def _median_band(ordered: Floats, draw: Draw) -> dict[str, float]:
     """Return the band of the median of ordered values, from the bootstrap over motions."""
-    groups = len(np.unique(draw.groups))
+    groups = int(np.count_nonzero(np.bincount(draw.groups)))
     if groups < LEAST_MOTIONS:
         return {"median_low": np.nan, "median_high": np.nan}
     medians = [_medians(ordered, draw.groups, weights) for weights in draw.weights()]
@@ -462,7 +462,7 @@ def _medians(ordered: Floats, groups: Ints, weights: Floats) -> Floats:
     """Return the median of ordered values in each sample [samples, groups] that has any.
 
     It is the first value up to which there is half of the weight. Weights are whole numbers, whose
-    sums are exact in any order: those at the ends of blocks tell the block, and those inside it the
+    sums are exact in any order: those at the ends of blocks give the block, and those inside it the
     value, without the sums up to every value.
     """
     count, motions = len(ordered), weights.shape[1]

@@ -181,7 +181,7 @@ class Fragility:
     def outcome(self) -> str:
         """The word "completed", "contradicted" by its own runs, or why there is no curve.
 
-        The reasons are "none_beyond", "all_beyond", "apart", "not_rising" and "one_beyond".
+        The reasons are "none_beyond", "all_beyond", "apart" and "not_rising".
         """
         return CONTRADICTED if self.misfit else self.estimate.outcome
 
