@@ -15,6 +15,7 @@ from tests.quick import quick_cases
 from tests.unit.inputs import changed_table, cyclic, last_line, quick_case, specimen_table
 from thermobearing.bearing.library import bearing_from_table
 from thermobearing.core.types import State, new_state
+from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.design.run import run_bounds, run_factors
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.model.earlier import Model
@@ -42,6 +43,9 @@ from thermobearing.structure.run import (
     SPECIMEN_LOST,
     Method,
 )
+from thermobearing.studies.definition.case import make_study
+from thermobearing.studies.definition.designs import Plan
+from thermobearing.studies.run.shard import run_shard
 from thermobearing.studies.statistics.demand import counted
 from thermobearing.studies.tables import count_failures
 
@@ -269,6 +273,36 @@ def test_studies_count_melted_lead_as_failed_and_name_it_first() -> None:
         assert (runs.left_out, runs.collapsed) == counts, (demand, failed)
         assert np.isfinite(runs.demand).sum() == 2 + runs.computed
         assert f"4 of {len(table)} runs failed" in runs.sentence
+
+
+@pytest.mark.parametrize("lockstep", [False, True])
+def test_a_study_has_every_limit_that_a_run_passed(
+    shake: dict[str, object], lockstep: bool
+) -> None:
+    """The lead melts in three runs; two of them have passed 500 % and the limits of the pier."""
+    table = {
+        "kind": "study",
+        "name": "limits",
+        "case": {"structure": "pier-p1"},
+        "design": {"lockstep": lockstep},
+        "factors": {
+            "bearing": ["shen-lhdr-bridge"],
+            "motion": [shake["name"]],
+            "scale": [0.02, 1.5, 3.0, 6.0],
+            "ambient": ["23 degC"],
+        },
+    }
+    plan = Plan(make_study(table, "test"))
+    runs = run_shard(plan, plan.runs)
+    assert runs["outcome"].tolist() == ["completed", *[MELTED] * 3]
+    strain = runs["bearing_strain_max"] > LARGEST_STRAIN
+    assert strain.tolist() == [False, False, True, True]
+    torn = "strain lead_temperature pier"
+    assert runs["limits_passed"].tolist() == ["", "lead_temperature", torn, torn]
+    (row,) = count_failures(runs).to_dict("records")
+    assert (row["runs"], row["also"][:2]) == (3, "2 ")
+    (without,) = count_failures(runs.drop(columns="limits_passed")).to_dict("records")
+    assert without["also"] == row["also"].partition(" and ")[0]
 
 
 def test_validation(tmp_path: Path) -> None:

@@ -113,6 +113,9 @@ def test_runs_that_stopped_are_counted_in_each_mode_and_ranked() -> None:
     assert shown.note
     completed = result.select(outcome="completed").worst(1, "bearing_strain_max")
     assert not worst_table(result, completed).note
+    diverged = result.table["outcome"].where(result.table["run"] != worst["run"][0], "diverged")
+    ranked = worst_runs(result.table.assign(outcome=diverged), 2, "bearing_strain_max")
+    assert ranked == worst["run"].tolist()[1:3]
     assert worst_runs(result.table.assign(outcome="diverged"), 3) == []
 
 
