@@ -16,9 +16,11 @@ from thermobearing.studies.question import save_question
 from thermobearing.studies.report import write_pelicun
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import counted, worst_runs
+from thermobearing.studies.statistics.fragility import OUTCOMES
 from thermobearing.studies.tables import count_failures, result_tables, worst_table
 
 COLD = -20.0
+ROOT = Path(__file__).parents[2]
 
 
 def with_step() -> StudyResult:
@@ -151,6 +153,13 @@ def test_a_curve_is_of_one_temperature_unless_all_are_asked_for() -> None:
     assert drawn(paired=False).fragility(1.0, samples=5).runs == drawn(paired=False).runs
     by = made_up().fragilities(1.0, by="bearing", temperature=COLD, samples=5)
     assert by["shen-hdr-bridge"].median == cold.median
+
+
+def test_the_documents_have_every_outcome_of_a_curve() -> None:
+    text = (ROOT / "docs" / "files" / "study.md").read_text(encoding="utf-8")
+    table = text.partition("**Outcomes of a fragility curve**")[2].partition("In place of")[0]
+    rows = "".join(line.split("|")[1] for line in table.splitlines() if line.startswith("| `"))
+    assert [f"`{name}`" for name in OUTCOMES if f"`{name}`" not in rows] == []
 
 
 def test_figures_of_another_method_replace_no_others(

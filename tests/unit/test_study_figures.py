@@ -167,7 +167,7 @@ def test_shares_of_the_variance_lack_the_runs_that_stopped_and_say_where_they_ar
     melted = StudyResult(stopped, result.study, result.manifest)
     lost = melted.lost_demands()
     assert (lost.missing, lost.many) == (24, True)
-    assert lost.concentration.startswith("of 24 failed runs 24 have")
+    assert lost.concentration.startswith("Of 24 failed runs 24 have")
     assert melted.variance()["left_out"].iloc[0] == 24
     assert [text.code for text in melted.warnings if "variance" in text] == ["variance_incomplete"]
     assert lost.sentence in melted.tables()["variance"].note

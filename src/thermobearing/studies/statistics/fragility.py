@@ -59,8 +59,12 @@ from thermobearing.studies.statistics.demand import (
 )
 from thermobearing.studies.statistics.ida import LEAST_AT_LEVEL, curves_of
 from thermobearing.studies.statistics.likelihood import (
+    ALL_BEYOND,
+    APART,
     FLAT,
     LARGEST_LOGARITHM,
+    NONE_BEYOND,
+    NOT_RISING,
     Estimate,
     cloud,
     counts,
@@ -81,7 +85,8 @@ WITH_COLLAPSE = (
     "with collapse the curve is not lognormal: the median is where it is one half, the dispersion "
     "half of ln(im_84/im_16) of the intensities where it has 84 and 16 %"
 )
-NONE_BEYOND, NOT_RISING = "none_beyond", "not_rising"
+# All outcomes of a curve.
+OUTCOMES = (COMPLETED, CONTRADICTED, NONE_BEYOND, ALL_BEYOND, APART, NOT_RISING)
 CONTRADICTS = "the curve contradicts its own runs"
 NOT_LOGNORMAL = (
     "one lognormal curve does not describe them: use the shares of runs at each intensity, "
@@ -179,10 +184,7 @@ class Fragility:
 
     @property
     def outcome(self) -> str:
-        """The word "completed", "contradicted" by its own runs, or why there is no curve.
-
-        The reasons are "none_beyond", "all_beyond", "apart" and "not_rising".
-        """
+        """One of `OUTCOMES`: "completed", "contradicted" by its own runs, or why there is none."""
         return CONTRADICTED if self.misfit else self.estimate.outcome
 
     @property

@@ -55,12 +55,14 @@ ONE_MIXED = (
     "intensity does not determine the dispersion; add {3}"
 )
 ALL_BETWEEN = "all curves reach the capacity between {0} and {1}: add intensities between"
+# Outcomes without a curve.
+NONE_BEYOND, ALL_BEYOND, NOT_RISING, APART = "none_beyond", "all_beyond", "not_rising", "apart"
+ONE_BEYOND = "only one motion reaches the capacity: add larger intensities"
 REASONS = {
-    "none_beyond": "no run exceeds the capacity: add larger intensities",
-    "all_beyond": "all runs exceed the capacity: add smaller intensities",
-    "not_rising": "the share of exceedances does not rise with the intensity: add runs or "
+    NONE_BEYOND: "no run exceeds the capacity: add larger intensities",
+    ALL_BEYOND: "all runs exceed the capacity: add smaller intensities",
+    NOT_RISING: "the share of exceedances does not rise with the intensity: add runs or "
     "intensities, or use another intensity measure",
-    "one_beyond": "only one motion reaches the capacity: add larger intensities",
 }
 
 
@@ -520,7 +522,7 @@ def stripes(at: Floats, beyond: Bools, draw: Draw, unit: str = "") -> Estimate:
 
 def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves, unit: str) -> tuple[str, str]:
     if not yes.any() or not no.any():
-        outcome = "all_beyond" if yes.any() else "none_beyond"
+        outcome = ALL_BEYOND if yes.any() else NONE_BEYOND
         return outcome, REASONS[outcome]
     if np.isinf(best.slope[0]):
         last, first = levels[no > 0].max(), levels[yes > 0].min()
@@ -530,11 +532,11 @@ def _why_not(levels: Floats, yes: Floats, no: Floats, best: Curves, unit: str) -
             advice = f"{' and '.join(ends)} intensities" if ends else "intensities close to it"
             runs = yes[index] + no[index]
             only = with_intensity_unit(first, unit)
-            return "apart", ONE_MIXED.format(only, yes[index], runs, advice)
+            return APART, ONE_MIXED.format(only, yes[index], runs, advice)
         ends_between = (with_intensity_unit(end, unit) for end in (last, first))
-        return "apart", MORE_BETWEEN.format(*ends_between)
+        return APART, MORE_BETWEEN.format(*ends_between)
     if best.slope[0] <= FLAT:
-        return "not_rising", REASONS["not_rising"]
+        return NOT_RISING, REASONS[NOT_RISING]
     return COMPLETED, ""
 
 
@@ -557,17 +559,17 @@ def incremental(table: "pd.DataFrame", groups: Ints, draw: Draw, unit: str = "")
     place = np.concatenate([part.place for part in parts])
     samples = Curves(place, np.concatenate([part.slope for part in parts]))
     if not reached.any():
-        return Estimate(best, samples, outcome="none_beyond", sentence=REASONS["none_beyond"])
+        return Estimate(best, samples, outcome=NONE_BEYOND, sentence=REASONS[NONE_BEYOND])
     between = ~exact & reached
     if np.isinf(best.slope[0]):
-        sentence = REASONS["one_beyond"]
+        sentence = ONE_BEYOND
         if between.sum() > 1:
             ends = (
                 with_intensity_unit(low[~exact].max(), unit),
                 with_intensity_unit(high[between].min(), unit),
             )
             sentence = ALL_BETWEEN.format(*ends)
-        return Estimate(best, samples, outcome="apart", sentence=sentence)
+        return Estimate(best, samples, outcome=APART, sentence=sentence)
     ratios = high[between & (low > 0.0)] / low[between & (low > 0.0)]
     ratio = float(np.median(ratios)) if 2 * between.sum() > reached.sum() and len(ratios) else 1.0
     return Estimate(best, samples, between=int(between.sum()), ratio=ratio)
@@ -589,7 +591,7 @@ def cloud(at: Floats, demand: Floats, capacity: float, draw: Draw) -> Estimate:
     terms = np.column_stack([stood.astype(float), x, y, x * x, x * y, y * y])
     best = _line(terms.sum(axis=0)[None, :], x_mean, y_mean)
     samples = _line(draw.sums(terms), x_mean, y_mean)
-    outcome = COMPLETED if best.slope[0] > FLAT else "not_rising"
+    outcome = COMPLETED if best.slope[0] > FLAT else NOT_RISING
     sentence = REASONS.get(outcome, "")
     if stood.all():
         return Estimate(best, samples, outcome=outcome, sentence=sentence)

@@ -188,13 +188,13 @@ class Lost(NamedTuple):
     @property
     def sentence(self) -> str:
         """How many are left out, where they are, and what that means where they are many."""
-        text = f"{self.total - self.missing} {self.unit}, {self.missing} failed and left out"
+        sentences = [f"{self.total - self.missing} {self.unit}, {self.missing} failed and left out"]
         if self.many:
-            text += (
-                ": runs that stop early have the largest demands, which are missing in the shares, "
-                "and bands do not contain that error"
-            )
-        return "; ".join(filter(None, [text, self.concentration]))
+            sentences += [
+                "Runs that stop early have the largest demands",
+                "These are missing in the shares, and bands do not contain that error",
+            ]
+        return ". ".join(filter(None, [*sentences, self.concentration]))
 
 
 def find_lost(
@@ -227,7 +227,7 @@ def _concentration(
         if most * len(table) > SELECTIVE * total * int(counts[level]):
             stated = f"{level:.4g} {unit}".rstrip() if isinstance(level, float) else str(level)
             texts.append(f"{most} have {words} {stated}")
-    return f"of {total} failed runs {joined(texts)}" if texts else ""
+    return f"Of {total} failed runs {joined(texts)}" if texts else ""
 
 
 def wide_note(indices: "pd.DataFrame") -> str:
