@@ -13,6 +13,7 @@ from thermobearing.studies.statistics import hazard
 from thermobearing.studies.statistics.comparison import (
     compare_counts,
     find_contradiction,
+    find_half,
     reached_counts,
 )
 from thermobearing.studies.statistics.demand import (
@@ -205,6 +206,8 @@ def test_shares_that_do_not_follow_one_lognormal_curve_contradict_it(method: Any
     assert worst["low"] == binom.ppf(tail, 120, share)
     assert worst["high"] == binom.ppf(1.0 - tail, 120, share)
     assert "dispersion" in repr(curve)
+    assert find_half(curve.comparison, "im") == (1.0, 2.0)
+    assert find_half(curve.comparison[1:], "im") is None
     fewer = fragility_curve(
         table[table["motion"] % 10 == 0], "drift", 1.0, "im", method=method, samples=5
     )

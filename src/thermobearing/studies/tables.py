@@ -261,11 +261,12 @@ def _contradictions(curves: Mapping[Any, Fragility], prefix: str) -> list[str]:
     if not wrong:
         return []
     (first, curve), *others = wrong.items()
+    half = f"; {curve.half_words}" if curve.half_words else ""
     also = f"; also {CONTRADICTED}: {joined(name for name, _ in others)}" if others else ""
     the = "the" if prefix else "The"
     return [
         f"{prefix}{the} curve ({first}) is {CONTRADICTED} by its own runs: "
-        f"{curve.misfit_words}{also}."
+        f"{curve.misfit_words}{half}{also}."
     ]
 
 

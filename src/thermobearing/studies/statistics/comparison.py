@@ -106,3 +106,16 @@ def find_contradiction(comparison: "pd.DataFrame", name: str) -> Contradiction |
             numbers = (int(row["runs"]), int(row["low"]), int(row["high"]))
             unlikely.append((distance, Contradiction(float(row[name]), beyond, *numbers)))
     return max(unlikely)[1] if unlikely else None
+
+
+def find_half(comparison: "pd.DataFrame", name: str) -> tuple[float, float] | None:
+    """Return the intensities between which the share of runs first passes one half; None if none.
+
+    `comparison` is from `compare_counts`.
+    """
+    shares = (comparison["beyond"] / comparison["runs"]).to_numpy(dtype=float)
+    first = int((shares >= 0.5).argmax())
+    if first == 0:
+        return None
+    low, high = comparison[name].iloc[[first - 1, first]]
+    return float(low), float(high)

@@ -38,6 +38,7 @@ from thermobearing.studies.statistics.comparison import (
     Contradiction,
     compare_counts,
     find_contradiction,
+    find_half,
     reached_counts,
 )
 from thermobearing.studies.statistics.demand import (
@@ -91,7 +92,7 @@ CONTRADICTS = "the curve contradicts its own runs"
 NOT_LOGNORMAL = (
     "one lognormal curve does not describe them: use the shares of runs at each intensity, "
     'intensities closer together, or method = "cloud" with failed = "collapse", whose curve has a '
-    "part for collapse"
+    "part for collapse (failed runs then exceed the capacity)"
 )
 INSTEAD = {  # what to use in place of a curve that contradicts its runs
     "cloud": "the demand is not log-linear with constant scatter: use stripes",
@@ -328,11 +329,23 @@ class Fragility:
             return f"it is the mean of curves that do ({names})" if names else ""
         at, beyond, runs, low, high = self.contradiction
         place = with_intensity_unit(at, UNITS.get(self.intensity, ""))
-        subject = "runs exceed" if self.reached is None else "single curves reach"
         return (
-            f"at {place} {beyond} of {runs} {subject} the capacity, where the curve has "
+            f"at {place} {beyond} of {runs} {self._exceeding} the capacity, where the curve has "
             f"{low} to {high}"
         )
+
+    @property
+    def _exceeding(self) -> str:
+        return "runs exceed" if self.reached is None else "single curves reach"
+
+    @property
+    def half_words(self) -> str:
+        """Between which intensities half of the runs exceed the capacity; "" if unknown."""
+        ends = None if len(self.parts) > 1 else find_half(self.comparison, self.intensity)
+        if ends is None:
+            return ""
+        high = with_intensity_unit(ends[1], UNITS.get(self.intensity, ""))
+        return f"half of the {self._exceeding} it between {ends[0]:.4g} and {high}"
 
     @property
     def misfit(self) -> str:
@@ -342,7 +355,8 @@ class Fragility:
             return sentence
         return (
             f"{sentence} (binomial, {percent(self.level)} for all {len(self.comparison)} "
-            f"intensities together, of independent runs); {INSTEAD[self.method]}"
+            f"intensities together, of independent runs); "
+            + "; ".join(filter(None, [self.half_words, INSTEAD[self.method]]))
         )
 
     def probability(self, intensity: Any) -> Floats:
