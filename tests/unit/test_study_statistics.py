@@ -283,6 +283,12 @@ def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climat
     assert low[0] <= climate.probability([1.5])[0] <= high[0]
     assert hazard.annual_rate(found[23.0], HAZARD).rate == 0.0
     assert climate.counts["runs"].tolist() == [8, 8]
+    # A quarter of the time never reaches one half, three quarters do where the cold has 2/3.
+    assert climate.outcome == "completed"
+    assert np.isnan(climate.median)
+    mostly_cold = combine_curves(found, [0.75, 0.25])
+    assert found[-20.0].probability([mostly_cold.median])[0] == pytest.approx(2.0 / 3.0)
+    assert mostly_cold.outcome == hazard.annual_rate(mostly_cold, HAZARD).outcome == "completed"
 
 
 def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:

@@ -226,7 +226,7 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     together = [name for name in curves if name in TOGETHER]
     for name in dict.fromkeys([*separate[:1], *separate[-1:], *together]):
         curve = curves[name]
-        if not curve.has_median:
+        if np.isnan(curve.stated_median):
             missing.append(temperature_words(name) if name not in TOGETHER else _over(name))
             continue
         row = curve.row()

@@ -79,6 +79,7 @@ from thermobearing.studies.statistics.likelihood import (
 Method: TypeAlias = Literal["stripes", "ida", "cloud"]
 LEAST_BEYOND = 3  # exceedances; our choice: fewer determine no median
 LEAST_MIXED = 3  # intensities with both outcomes, of which a dispersion says something
+UNREACHED_SHARE = 1e-6  # of the time, above one half, so that a median is at a finite intensity
 MEDIAN_DIFFERENCE = 0.02  # of a median, from which both treatments of failed runs are stated
 COARSE = 2.0  # ratio of intensities around a capacity, in logarithms, over the dispersion
 USUAL_MOTIONS = 12  # from which on the error of the dispersion adds little to a band
@@ -186,17 +187,30 @@ class Fragility:
     @property
     def outcome(self) -> str:
         """One of `OUTCOMES`: "completed", "contradicted" by its own runs, or why there is none."""
-        return CONTRADICTED if self.misfit else self.estimate.outcome
+        if self.misfit:
+            return CONTRADICTED
+        outcomes = [estimate.outcome for _, estimate in self.parts]
+        if self.is_drawable:  # a temperature without exceedances takes no curve from the others
+            return COMPLETED
+        return next(
+            (text for text in outcomes if text not in (COMPLETED, NONE_BEYOND)), outcomes[0]
+        )
 
     @property
     def median(self) -> float:
-        """Intensity with a probability of one half; NaN where a curve has no lognormal form."""
-        if not all(estimate.known for _, estimate in self.parts):
+        """Intensity with a probability of one half; NaN where a curve does not reach it."""
+        known = [(share, estimate) for share, estimate in self.parts if estimate.known]
+        if not self.is_drawable or sum(share for share, _ in known) <= 0.5 + UNREACHED_SHARE:
             return np.nan
-        medians = [float(np.exp(estimate.median)) for _, estimate in self.parts]
+        medians = [float(np.exp(estimate.median)) for _, estimate in known]
         low, high = min(medians), max(medians)
-        if low == high:
+        if self.probability(low)[0] >= 0.5 or (low == high and len(known) == len(self.parts)):
             return low
+        # Temperatures without exceedances have the probability zero at every intensity.
+        while self.probability(high)[0] < 0.5:
+            high *= 2.0
+            if not np.isfinite(high):
+                return np.nan
         return float(scipy.optimize.brentq(lambda at: self.probability(at)[0] - 0.5, low, high))
 
     @property
