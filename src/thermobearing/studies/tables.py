@@ -112,8 +112,11 @@ def _limits_passed(failed: "pd.DataFrame") -> "pd.Series":
 
 def _count_limits(limits: "pd.Series") -> list[tuple[str, int]]:
     """Return the number of runs that passed each limit, of those that some passed."""
-    passed = [set(str(text).split()) for text in limits]
-    counts = [(limit, sum(limit in names for names in passed)) for limit in LIMIT_WORDS]
+    runs = {tuple(str(text).split()): int(count) for text, count in limits.value_counts().items()}
+    counts = [
+        (limit, sum(count for names, count in runs.items() if limit in names))
+        for limit in LIMIT_WORDS
+    ]
     return [(limit, count) for limit, count in counts if count]
 
 

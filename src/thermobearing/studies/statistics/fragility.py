@@ -199,12 +199,12 @@ class Fragility:
     @property
     def median(self) -> float:
         """Intensity with a probability of one half; NaN where a curve does not reach it."""
-        known = [(share, estimate) for share, estimate in self.parts if estimate.known]
-        if not self.is_drawable or sum(share for share, _ in known) <= 0.5 + UNREACHED_SHARE:
+        with_curve = [(share, estimate) for share, estimate in self.parts if estimate.known]
+        if not self.is_drawable or sum(share for share, _ in with_curve) <= 0.5 + UNREACHED_SHARE:
             return np.nan
-        medians = [float(np.exp(estimate.median)) for _, estimate in known]
+        medians = [float(np.exp(estimate.median)) for _, estimate in with_curve]
         low, high = min(medians), max(medians)
-        if self.probability(low)[0] >= 0.5 or (low == high and len(known) == len(self.parts)):
+        if self.probability(low)[0] >= 0.5 or (low == high and len(with_curve) == len(self.parts)):
             return low
         # Temperatures without exceedances have the probability zero at every intensity.
         while self.probability(high)[0] < 0.5:
