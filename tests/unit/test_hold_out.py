@@ -220,7 +220,8 @@ def test_command(tmp_path: Path, good: list[TestRecord], faulty: TestRecord) -> 
     assert [test["role"] for test in reported["held_out"]["tests"]] == ["fitted"] * 2 + ["held out"]
     assert len(reported["records"]) == 2
     fitted = {"summary.json", "bearing.toml", "compound.toml", "fit.csv", "inputs.sha256"}
-    assert {path.name for path in out.iterdir()} == fitted | {"table.csv", "cycles.csv"}
+    more = {"table.csv", "cycles.csv", "held_out.csv"}
+    assert {path.name for path in out.iterdir()} == fitted | more
 
 
 @pytest.mark.thorough

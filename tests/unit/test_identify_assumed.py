@@ -227,6 +227,13 @@ def test_errors_that_cancel_make_no_interval_smaller() -> None:
     reach = covariance._half_intervals(propagated, np.diag([0.01, 0.02]), 2.0)
     expected = 1.96 * np.sqrt(np.array(variances) + 4.0 * np.array([0.01, 0.02]))
     assert reach == pytest.approx(expected, rel=1e-3)
+    # Draws of both errors, widened, are stretched to the intervals.
+    stretching = covariance._stretching(propagated, np.diag([0.01, 0.02]), 2.0)
+    widened = [1.624**2 * 0.25 + 1.0 - 1.624 * 0.9, variances[1]]
+    drawn = 1.96 * np.sqrt(np.array(widened) + 4.0 * np.array([0.01, 0.02]))
+    assert stretching * drawn == pytest.approx(reach, rel=1e-3)
+    assert stretching[0] > 1.05
+    assert stretching[1] == 1.0
 
 
 HOT = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)

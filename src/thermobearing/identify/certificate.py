@@ -18,12 +18,15 @@ from thermobearing.identify.report import (
     CLOSING,
     LOOPS,
     Row,
-    describe_treatments,
     parameters_table,
     rounded_range,
     valid_for,
+    with_basis,
     worst_error,
 )
+from thermobearing.identify.treatments import OF_ALL_RECORDS, describe_treatments
+from thermobearing.identify.uncertainty.covariance import MISFIT
+from thermobearing.identify.uncertainty.groups import CELLS
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
@@ -60,6 +63,7 @@ CONCERNS = re.compile("interval|standard error")  # what the tables of the page 
 SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
 MOST_SPECIMENS = 3  # that the title names
 TEMPERATURE_COEFFICIENTS = ("m_T", "n_T")
+STATED_CONDITIONS = {"specimen": "Specimen", "laboratory": "laboratory", "date": "date"}
 NARROW = 14  # letters of a name in the table of tests that do not break
 MOST_FILES = 6  # of tests that are listed; inputs.sha256 has all
 MOST_LOOPS = 3  # panels of its figure
@@ -68,9 +72,6 @@ OVERFULL = -30  # rows of room below which the figure, which report.html has too
 NOTE_LINE = 150  # letters of the small print below a table in one line of the page
 ABOUT = ["test", "use", "date", "ambient_degC"]
 ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
-NOTHING_ELSE = (
-    "Rests are held at constant displacement; no signal was filtered, scaled or shifted in time."
-)
 
 
 def build_certificate(saved: SavedResult) -> Pieces:
@@ -94,8 +95,9 @@ def build_certificate(saved: SavedResult) -> Pieces:
     tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}
     identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
     answer = [*_certified_range(bearing), *_certified_conditions(listed)]
-    answer += [*_certified_held_out(held_out), *_certified_digests(saved, listed)]
-    answer += _certified_warnings(saved.warnings)
+    answer += [*_certified_held_out(held_out), *_certified_narrowing(summary)]
+    answer += _certified_digests(saved, listed)
+    answer += _certified_warnings(saved.warnings, _first_cause(summary))
     files = _certified_files(listed)
     lines = sum(1 + len(text) // LINE for text in answer)
     broken = sum(_is_broken(record) for record in listed)
@@ -145,10 +147,12 @@ def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
                 "h_eq_error": worst_error(record, "h_eq_error"),
             }
             rows.append(record["conditions"] | row)
+    if any(row.get("date") for row in rows):
+        rows = [row | {"date": row.get("date") or "not stated"} for row in rows]
     heads = {"K_eq_error": "K_eq error", "h_eq_error": "h_eq error"}
     treatments = " ".join(describe_treatments([*records, *held_out]))
     note = (
-        f"Treatment of the records. {treatments} {NOTHING_ELSE} Errors: largest over the cycles, "
+        f"Treatment of the records. {treatments} {OF_ALL_RECORDS} Errors: largest over the cycles, "
         "model / test \N{MINUS SIGN} 1."
     )
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, note=note, keep_keys=True)
@@ -183,21 +187,34 @@ def _certified_parameters(summary: Row, bearing: Row) -> Table:
     if coefficients:
         verb = "is" if len(coefficients) == 1 else "are"
         relative.append(f"{joined(coefficients)} {verb} per 100 K")
-    return replace(table, note=f"{joined(relative)}. {table.note}") if relative else table
+    table = replace(table, note=f"{joined(relative)}. {table.note}") if relative else table
+    return with_basis(table, summary)
 
 
 def _certified_conditions(records: Sequence[Row]) -> list[str]:
     """Return a statement on specimen, laboratory and rubber of the tests, once if they agree."""
     words = {True: "scragged", False: "virgin", None: "not stated"}
     stated = []
-    for key, title in (("specimen", "Specimen"), ("laboratory", "laboratory")):
+    for key, title in STATED_CONDITIONS.items():
         values = {record["name"]: record["conditions"].get(key) for record in records}
-        if any(values.values()):
+        # The table of tests has a column of dates, if any is stated.
+        if key != "date" or not any(values.values()):
             stated.append(f"{title}: {_by_test(values, 'not stated')}")
+    loads = {record["name"]: _load(record["conditions"]) for record in records}
+    stated.append(f"vertical load: {_by_test(loads, 'not stated')}")
     before = {record["name"]: words[record["conditions"].get("scragged")] for record in records}
     stated.append(f"rubber before the tests: {_by_test(before, 'not stated')}")
     text = "; ".join(stated)
     return [f"{text[:1].upper()}{text[1:]}."]
+
+
+def _load(conditions: Row) -> str | None:
+    """Return the vertical load of a test in kN, and whether it acts on its shear force."""
+    if ends := conditions.get("axial_force_kN"):
+        shown = " to ".join(dict.fromkeys(number(end, ".4g") for end in ends))
+        return f"{shown} kN, which acts on the shear force"
+    stated = conditions.get("stated_axial_force_kN")
+    return None if stated is None else f"{number(stated, '.4g')} kN, without effect in the model"
 
 
 def _by_test(values: Row, missing: str) -> str:
@@ -261,14 +278,37 @@ def _certified_held_out(held_out: Row) -> list[str]:
     return statements
 
 
-def _certified_warnings(warnings: Sequence[str]) -> list[str]:
+def _first_cause(summary: Row) -> str:
+    """Return the most plausible cause of a misfit with its size; "" without any."""
+    suspects = summary.get("suspects") or []
+    if not suspects:
+        return ""
+    first = suspects[0]
+    size = f"{number(first['size'], '+.2g')} {first['unit']}".strip()
+    return str(first["name"]) if first["key"] == CELLS else f"{first['name']}, {size}"
+
+
+def _certified_narrowing(summary: Row) -> list[str]:
+    """Return how well a prediction is known and which test would narrow it; none without one."""
+    posterior = summary.get("posterior") or {}
+    if not posterior.get("narrowing"):
+        return []
+    return [tidy(str(posterior["notes"][-1]))]
+
+
+def _certified_warnings(warnings: Sequence[str], cause: str = "") -> list[str]:
     """Return what some warnings say of the page, and what the report has more.
 
-    Warnings that concern the numbers on the page come first.
+    Warnings that concern the numbers on the page come first. `cause` is the most plausible one of
+    a misfit, behind whose size it stands.
     """
     ordered = sorted(warnings, key=lambda text: CONCERNS.search(text) is None)
     texts = [f"Warning: {tidy(text)}" for text in ordered[:MOST_WARNINGS]]
     shown = [_certified_warning(text) for text in texts]
+    shown = [
+        f"{text} Most plausible cause: {cause}." if cause and MISFIT in text else text
+        for text in shown
+    ]
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
     if shown != texts:
@@ -323,16 +363,32 @@ def _certified_range(bearing: Row) -> list[str]:
     conditions = []
     for name, ends in ranges.items():
         text = rounded_range(ends)
-        if name == "strain_rate":
-            conditions.append(f"strain rates of {'' if ' to ' in text else 'about '}{text}")
-        elif name == "cycles":
+        if name == "cycles":
             conditions.append(
                 f"up to {rounded_range(ends[-1:])} cycles of at least {percent(EXTREME)} of the "
                 f"largest displacement without a pause of {REST / 60.0:g} min or more"
             )
-        elif name not in ("strain", "ambient"):
+        elif name not in ("strain", "ambient", "strain_rate"):
             conditions.append(f"a {TESTS[name]} of {text}")
     return [f"{valid}, {joined(conditions)}." if conditions else f"{valid}."]
+
+
+def _samples_of_tests(saved: SavedResult) -> "list[tuple[str, pd.DataFrame]]":
+    """Return the samples of the tests that the figure shows, by a title.
+
+    The last one is a test that was held out, if there is one. The table of tests has temperatures.
+    """
+    summary = saved.summary
+    held_out = (summary.get("held_out") or {}).get("records", [])
+    panels = []
+    for table, records, role, most in (
+        ("fit", summary["records"], "", MOST_LOOPS),
+        ("held_out", held_out, " (held out)", 1),
+    ):
+        if table in saved.tables:
+            groups = list(saved[table].groupby("record", sort=False))[:most]
+            panels += [(f"{records[int(str(k))]['name']}{role}", rows) for k, rows in groups]
+    return panels
 
 
 def _certified_loops(saved: SavedResult, height: float) -> ReportFigure:
@@ -343,13 +399,11 @@ def _certified_loops(saved: SavedResult, height: float) -> ReportFigure:
     def _draw() -> "Figure":
         from thermobearing.results import drawing
 
-        groups = list(saved["fit"].groupby("record", sort=False))[:MOST_LOOPS]
+        groups = _samples_of_tests(saved)
         figure, axes = drawing.panels(1, len(groups), (7.0, height), "")
-        for ax, (k, rows) in zip(axes, groups, strict=True):
-            record = records[int(str(k))]
+        for ax, (title, rows) in zip(axes, groups, strict=True):
             for (_, column, colour), width in zip(LOOPS, (2.4, 0.8), strict=True):
                 ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
-            title = str(record["name"])  # the table of tests has its temperature
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
         return figure
 

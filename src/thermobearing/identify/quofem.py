@@ -46,6 +46,7 @@ KEPT = (
     "name",
     *SAMPLES,
     "ambient",
+    "air_offset",
     "ambient_uncertainty",
     "temperatures",
     "places",

@@ -5,13 +5,16 @@ them, and `validate` uses them too.
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from thermobearing.border.lazy import pd
 from thermobearing.border.toml import read_toml, split_sources
+from thermobearing.identify.comparison import limit_source
 from thermobearing.identify.properties import (
     AS_IN_THE_TEST,
     predicted_cycles_table,
@@ -19,14 +22,8 @@ from thermobearing.identify.properties import (
     properties_table,
     property_sentence,
 )
-from thermobearing.identify.records.treatment import (
-    DRIFT,
-    KEPT,
-    MAY_REMAIN,
-    NOT_SIGNIFICANT,
-    SIGNIFICANCE,
-)
 from thermobearing.identify.result import POOR_R2, UNUSABLE
+from thermobearing.identify.treatments import treatment_table
 from thermobearing.identify.uncertainty.covariance import MISFIT, POOR
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.register import quantity as registered
@@ -54,18 +51,26 @@ from thermobearing.report.pieces import (
 )
 from thermobearing.reported import bearing_tables, bearing_words, model_assumptions
 from thermobearing.results.directory import IDENTIFIED
-from thermobearing.results.ranges import MARKED, names_by_sentence, parted
+from thermobearing.results.ranges import MARKED, parted
 from thermobearing.results.saved import SavedResult
-
-if TYPE_CHECKING:
-    pass
 
 Row = Mapping[Any, Any]
 STRONG = 0.9  # correlation that is reported
 AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
-CONDITIONS = ["test", "file", "ambient_degC", "duration_s", "samples", "largest_displacement_mm"]
-CONDITIONS += ["largest_strain", "largest_force_kN", "largest_speed_mm_s", "weight"]
+OF_ONE_TEST = re.compile(r" of -?[\d.]+ degC$")
+SEEN = 0.001  # of a parameter: what a standard uncertainty moves by less is not listed
+NOT_CONTAINED = (
+    "They contain no error of the model, and none of the clock, the plan and the number of layers."
+)
+CONDITIONS = ["test", "file", "ambient_degC", "mean_ambient_degC", "duration_s", "samples"]
+CONDITIONS += [
+    "largest_displacement_mm",
+    "largest_strain",
+    "largest_force_kN",
+    "largest_speed_mm_s",
+    "weight",
+]
 CONDITIONS += ["thermocouples"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
@@ -85,107 +90,11 @@ def tests_table(records: Sequence[Row]) -> Table:
         rows.append(row)
     usual = all(row.get("weight", 1.0) == 1.0 for row in rows)
     names = [name for name in CONDITIONS if not (usual and name == "weight")]
-    return make_table(pd.DataFrame(rows), names, "Tests")
-
-
-def _treatment_table(records: Sequence[Row]) -> Table:
-    """Return the treatment of each record before its fit: noise, rests, spikes, drift of zero."""
-    rows = []
-    for record in records:
-        treatment = record.get("treatment") or {}
-        removed = treatment.get("drift_removed", [])
-        drift = [
-            f"{name} {size}{', removed' if name in removed else ''}"
-            for name, size in _drift_sizes(treatment).items()
-        ]
-        spikes = str(sum(treatment["spikes"].values())) if treatment else ""
-        steps = [*_subtracted(treatment), *_reversed(treatment)]
-        rows.append(
-            {
-                "test": record["name"],
-                "noise_displacement_mm": treatment.get("noise", {}).get("displacement_mm"),
-                "noise_force_kN": treatment.get("noise", {}).get("force_kN"),
-                "rests_held": treatment.get("rests"),
-                "samples_at_rest": treatment.get("samples_at_rest"),
-                "spikes": f"{spikes}, removed" if treatment.get("spikes_removed") else spikes,
-                "drift_of_zero": "; ".join(drift) or "none",
-                "offset_and_sign": ", ".join(steps) or "nothing",
-                "columns_not_used": ", ".join(record.get("unused_columns", [])),
-            }
-        )
     note = (
-        "Rests are held at constant displacement; spikes and drift are removed on request. A drift "
-        f"is stated where it is significant (two-sided, {percent(1.0 - SIGNIFICANCE)}) and exceeds "
-        f"{percent(DRIFT)} of the peak of the smallest cycles, or where its removal was requested. "
-        "Samples in rests are those of the file. Of each rest the calibration uses its two ends, "
-        f"or {KEPT} samples where there are thermocouples; the samples in the table of tests "
-        "contain these."
+        "Ambient: of the chamber when the test begins, at which the bearing starts. The bearing "
+        "exchanges heat with air at the mean of the chamber during the test."
     )
-    return make_table(pd.DataFrame(rows), caption="Treatment of the records", note=note)
-
-
-def describe_treatments(records: Sequence[Row]) -> list[str]:
-    """Return what was done to each record before its fit, with numbers, in the order it was done.
-
-    Records with the same treatment share a sentence.
-    """
-    treated = ((str(record["name"]), record.get("treatment") or {}) for record in records)
-    sentences = ((name, joined(_treatment_steps(treatment))) for name, treatment in treated)
-    return [
-        f"{names}: {steps or 'used as recorded'}." for names, steps in names_by_sentence(sentences)
-    ]
-
-
-def _treatment_steps(treatment: Row) -> list[str]:
-    """Return the steps of the treatment of a record, in the words of a sentence."""
-    steps = [*_subtracted(treatment), *_reversed(treatment)]
-    if treatment.get("spikes_removed"):
-        for name, count in treatment["spikes"].items():
-            steps += [f"{counted(count, 'spike')} of the {name} removed"] if count else []
-    for name, size in _drift_sizes(treatment).items():
-        if name in treatment["drift_removed"]:
-            steps.append(f"a drift of the {name} of {size} removed{_remainder(treatment, name)}")
-        else:
-            steps.append(f"a drift of the {name} of {size} not removed")
-    for key, offset in treatment.get("offsets", {}).items():
-        name, _, unit = key.rpartition("_")
-        steps.append(f"an offset of the {name} of {number(offset, '.2g')} {unit} not removed")
-    return steps
-
-
-def _subtracted(treatment: Row) -> list[str]:
-    """Return the offsets that were subtracted from the readings of a record."""
-    offsets = []
-    for key, offset in treatment.get("subtracted", {}).items():
-        name, _, unit = key.rpartition("_")
-        offsets.append(f"{number(offset, '.3g')} {unit} subtracted from the {name}")
-    return offsets
-
-
-def _reversed(treatment: Row) -> list[str]:
-    """Return whether the sign of the force was reversed, in words."""
-    return ["the sign of the force reversed"] if treatment.get("force_reversed") else []
-
-
-def _remainder(treatment: Row, name: str) -> str:
-    """Return how much of the drift of a signal may remain after its removal, in brackets."""
-    for key, error in treatment.get("drift_error", {}).items():
-        signal, _, unit = key.rpartition("_")
-        if signal == name:
-            significant = treatment.get("drift_significant", {}).get(key, True)
-            chance = "" if significant else f"; {NOT_SIGNIFICANT[:1].lower()}{NOT_SIGNIFICANT[1:]}"
-            return f" (up to {number(error, '.2g')} {unit} {MAY_REMAIN}{chance})"
-    return ""
-
-
-def _drift_sizes(treatment: Row) -> dict[str, str]:
-    """Return the drift of each signal that has one, with its 95 % interval where that is known."""
-    sizes, errors = {}, treatment.get("drift_error", {})
-    for key, drift in treatment.get("drift", {}).items():
-        name, _, unit = key.rpartition("_")
-        error = f" \N{PLUS-MINUS SIGN} {number(errors[key], '.2g')}" if key in errors else ""
-        sizes[name] = f"{number(drift, '.3g')}{error} {unit}"
-    return sizes
+    return make_table(pd.DataFrame(rows), names, "Tests", note=note)
 
 
 def _findings_table(records: Sequence[Row]) -> Table:
@@ -318,6 +227,11 @@ def thermocouples_table(rows: Sequence[Row]) -> Table:
     return make_table(pd.DataFrame(rows), caption="Thermocouples, model compared with test", keys=3)
 
 
+def held_out_rows(rows: Sequence[Row]) -> list[dict[str, Any]]:
+    """Return rows of tests that were held out, which say so in the name of the test."""
+    return [{**row, "test": f"{row['test']} (held out)"} for row in rows]
+
+
 def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     """Return the largest error of each quantity of each test, and those beyond a limit."""
     frame = pd.DataFrame(tests)
@@ -388,19 +302,20 @@ def _undetermined_table(summary: Row) -> Table:
         if (grade := _grade(item)) in (AT_BOUND, NOT, POORLY):
             position = {AT_BOUND: AT_BOUND, NOT: "near its bound"}.get(grade)
             spread = position or f"± {item['stderr']:.2g} {item['unit']}".strip()
-            rows.append((item["symbol"], spread, "free, but poorly determined by the tests"))
+            rows.append((item["symbol"], spread, "", "free, but poorly determined by the tests"))
     for key, item in summary.get("sensitivity", {}).items():
         if not item.get("free", True):
             reason = "held: these tests say too little about it"
             if item["stderr_of_source"] is not None and item["stderr_expected"] is not None:
                 reason = f"held: ± {item['stderr_of_source']:.2g} by its source, "
                 reason += f"± {item['stderr_expected']:.2g} by these tests"
-            rows.append((content.key_words(key), "not free", reason))
+            rows.append((content.key_words(key), "not free", "", reason))
     for item in summary["assumed"]:
-        share, size = item["relative_uncertainty"], item["absolute_uncertainty"]
-        spread = f"± {100.0 * share:.3g} %" if share is not None else f"± {size:g}"
-        rows.append((item["name"], f"{spread} {item.get('unit', '')}".strip(), item["source"]))
-    frame = pd.DataFrame(rows, columns=["what", "uncertainty", "reason_or_source"])
+        moved = ""
+        if item.get("moves"):
+            moved = f"{item['moves']} by {percent(item['moves_by'], 1)}"
+        rows.append((item["name"], _spread(item), moved, item["source"]))
+    frame = pd.DataFrame(rows, columns=["what", "uncertainty", "moves_most", "reason_or_source"])
     return make_table(frame, caption="Parameters that the tests do not determine")
 
 
@@ -427,7 +342,7 @@ def build_pieces(saved: SavedResult) -> Pieces:
         judged=False,
         inputs={
             "tests": tests_table(listed),
-            "treatment": _treatment_table(listed),
+            "treatment": treatment_table(listed),
             **bearing_tables(bearing, sources),
         },
         tables=_report_tables(saved),
@@ -483,7 +398,10 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
         f"Single cycles are off by up to {joined(errors)}."
     )
     if any(str(text).startswith(MISFIT) for text in summary["warnings"]):
-        sentences.append(f"{MISFIT[:1].upper()}{MISFIT[1:]} (possible causes: Warnings).")
+        size = f": {summary['difference']}" if summary.get("difference") else ""
+        sentences.append(
+            f"{MISFIT[:1].upper()}{MISFIT[1:]}{size}. Possible causes are under Warnings."
+        )
     largest = percent(max(_relative_error(p) for p in parameters), 1)
     precision = f"The standard errors of the parameters are at most {largest}"
     if weak := [p["symbol"] for p in parameters if _grade(p) in (POORLY, AT_BOUND, NOT)]:
@@ -525,8 +443,13 @@ def valid_for(bearing: Row) -> str:
         return ""
     strains = " to ".join(dict.fromkeys(percent(end) for end in tested["strain"]))
     ambients = rounded_range(tested["ambient"])
+    rates = ""
+    if "strain_rate" in tested:
+        text = rounded_range(tested["strain_rate"])
+        rates = f" and strain rates of {'' if ' to ' in text else 'about '}{text}"
     return (
-        f"The bearing is valid for shear strains of {strains} at ambient temperatures of {ambients}"
+        "The parameters hold within the ranges of the tests, shear strains of "
+        f"{strains} at ambient temperatures of {ambients}{rates}"
     )
 
 
@@ -536,17 +459,66 @@ def _report_tables(saved: SavedResult) -> dict[str, Table]:
     cycles = saved.tables.get("cycles")
     tables = {
         "properties": properties_table(summary.get("properties") or []),
-        "parameters": parameters_table(summary),
+        "parameters": with_basis(parameters_table(summary), summary),
         # The table of tests that were held out has the errors of all tests.
         "records": None if held_out["tests"] else agreement_table(summary["records"]),
         "cycles": None if cycles is None else cycles_table(cycles),
-        "thermocouples": thermocouples_table(summary["thermocouples"]),
+        "thermocouples": thermocouples_table(
+            [*summary["thermocouples"], *held_out_rows(held_out.get("thermocouples", []))]
+        ),
         "held_out": errors_table(JUDGED, held_out["tests"]),
-        "posterior": posterior_table(summary.get("posterior") or {}),
+        "posterior": _with_sources(summary.get("posterior") or {}),
         "predicted_cycles": predicted_cycles_table(summary.get("posterior") or {}),
         "undetermined": _undetermined_table(summary),
     }
     return {name: table for name, table in tables.items() if table and table.rows}
+
+
+def _with_sources(posterior: Row) -> Table:
+    """Return what is predicted; its note states where the bands come from and what narrows them.
+
+    On the console these are notes of their own.
+    """
+    table = posterior_table(posterior)
+    notes = [tidy(str(note)) for note in posterior.get("notes", [])]
+    return replace(table, note=" ".join([table.note, *notes])) if table.rows else table
+
+
+def with_basis(table: Table, summary: Row) -> Table:
+    """Return the table of the parameters; its note states what the intervals rest on."""
+    return replace(table, note=f"{table.note} {_basis(summary['assumed'])}")
+
+
+def _basis(assumed: Sequence[Row]) -> str:
+    """Return a sentence on the systematic errors that intervals contain, and on what they do not.
+
+    Those that move a parameter, each with the parameter that one standard uncertainty moves most.
+    """
+    largest: dict[str, Row] = {}
+    for item in assumed:
+        name = OF_ONE_TEST.sub("", str(item["name"]))
+        if abs(item.get("moves_by") or 0.0) >= max(
+            SEEN, abs(largest.get(name, {}).get("moves_by", 0.0))
+        ):
+            largest[name] = item
+    if not largest:
+        return f"Standard errors contain the scatter of the tests. {NOT_CONTAINED}"
+    parts = [
+        f"{name} {_spread(item)} ({item['moves']} by {percent(abs(item['moves_by']), 1)})"
+        for name, item in largest.items()
+    ]
+    return (
+        "Standard errors and intervals contain the scatter of the tests and these systematic "
+        "errors, each with the parameter that one standard uncertainty moves most: "
+        f"{joined(parts)}. {NOT_CONTAINED}"
+    )
+
+
+def _spread(item: Row) -> str:
+    """Return the standard uncertainty of an assumed value with its unit."""
+    share, size = item["relative_uncertainty"], item["absolute_uncertainty"]
+    spread = f"± {100.0 * share:.3g} %" if share is not None else f"± {size:g}"
+    return f"{spread} {item.get('unit', '')}".strip()
 
 
 def _report_checks(summary: Row) -> list[Check]:
@@ -580,7 +552,7 @@ def error_check(name: str, whose: str, error: float | None, limit: float, verdic
     value = float("nan") if error is None else abs(100.0 * error)
     outcome = {"within": PASSED, "beyond": EXCEEDED}.get(str(verdict), NOT_ASSESSED)
     label = f"error of {name}, {whose}"
-    return Check(label, value, 100.0 * limit, "%", "limit of the error", outcome)
+    return Check(label, value, 100.0 * limit, "%", limit_source(name, limit), outcome)
 
 
 def _assumptions(summary: Row, bearing: Row) -> list[str]:
@@ -600,6 +572,13 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
         tidy(f"Assumed in reading the files: {text}") for text in dict.fromkeys(assumptions)
     ]
     sentences += _contradictions(summary["assumed"])
+    removed = summary.get("removed_by_finer_cells")
+    if removed is not None and abs(removed) < 1.0:
+        sentences.append(
+            "A finer division into heat cells, twice as many in rubber and shims or the defaults "
+            f"where the file has fewer, changes the squared residuals by "
+            f"{number(-100.0 * removed, '+.2g')} %."
+        )
     sentences += model_assumptions({"scheme": "conservative", "heat_source": None}, [bearing])
     return sentences
 
@@ -639,7 +618,7 @@ def _checked(saved: SavedResult) -> Pieces:
             f"{verdict}{remark}.",
             f"They contain {sum(int(r['cycles']) for r in records)} cycles.",
         ],
-        inputs={"treatment": _treatment_table(records)},
+        inputs={"treatment": treatment_table(records)},
         tables={"findings": _findings_table(records)},
         figures=content.saved_figures(saved, "identify"),
         validity_unknown="Nothing was calibrated, so no statement on validity is made.",

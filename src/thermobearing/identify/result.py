@@ -23,13 +23,16 @@ from thermobearing.identify.fit.forward import Prediction
 from thermobearing.identify.fit.parameters import ParameterSet, is_of_temperature
 from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.fit.start import Sensitivity
+from thermobearing.identify.misfit import Difference, describe_differences, measure_differences
 from thermobearing.identify.properties import Property, list_properties, properties_table
 from thermobearing.identify.records.checks import COARSE, CheckReport, Offset
 from thermobearing.identify.records.conditions import record_conditions
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import UNITS
 from thermobearing.identify.records.turns import turned_amplitudes
-from thermobearing.identify.uncertainty.covariance import Uncertainty
+from thermobearing.identify.treatments import motion_notes
+from thermobearing.identify.uncertainty.covariance import MISFIT, Uncertainty
+from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import percent
 from thermobearing.results.base import COMPLETED, Result
@@ -223,6 +226,34 @@ class Identification(Result):
         """Thermocouples of all tests and of the model, a row each."""
         return [{"test": fit.record.name, **row} for fit in self.fits for row in fit.thermocouples]
 
+    @cached_property
+    def differences(self) -> list[Difference]:
+        """The differences of model and tests, signal by signal."""
+        return measure_differences(self.fits, self.checks, self.problem.weights)
+
+    def _with_size(self, sentence: str) -> str:
+        """Return a sentence on the misfit with its size, signal and test."""
+        size = describe_differences(self.differences)
+        if not size or not sentence.startswith(MISFIT):
+            return sentence
+        return f"{MISFIT}: {size}{sentence.removeprefix(MISFIT)}"
+
+    def _moved_most(self, group: int) -> dict[str, Any]:
+        """Return the parameter that a standard uncertainty of an assumed group moves most.
+
+        Relative to its value, by the shift of the optimum.
+        """
+        shifts = self.uncertainty.assumed.shifts[:, group]
+        moves = [
+            (item.parameter.kind.symbol, float(shift) * item.parameter.slope(u) / item.value)
+            for item, u, shift in zip(
+                self.uncertainty.estimates.values(), self.cube, shifts, strict=True
+            )
+            if item.value
+        ]
+        symbol, change = largest_by(moves, lambda move: abs(move[1])) if moves else ("", 0.0)
+        return {"moves": symbol, "moves_by": change}
+
     def _measured_zeros(self) -> list[tuple[str, Offset]]:
         """Return the offsets that the checks warn of, each with the name of its test.
 
@@ -262,7 +293,7 @@ class Identification(Result):
         sentences = [warning for fit in self.fits for warning in _fit_warnings(fit)] + sentences
         # First cycles that are too strong explain the misfit: other suspects would mislead.
         if not any(map(_virgin_warning, self.fits)):  # which is the cause of the misfit
-            sentences = self.uncertainty.misfit + sentences
+            sentences = [*map(self._with_size, self.uncertainty.misfit), *sentences]
         # What was measured comes before what the residuals suggest.
         sentences = check_warnings(self.checks, of_zeros=True) + sentences
         sentences += self.uncertainty.warnings
@@ -290,8 +321,9 @@ class Identification(Result):
         return {name: table for name, table in all_tables.items() if table.rows}
 
     def notes(self) -> list[str]:
-        """Return columns of the tests that are not used, and what the forecast says."""
-        notes = unused_columns(self.records)
+        """Return columns that are not used, turns that were added, and what the forecast says."""
+        records = [*map(record_summary, self.fits, self.checks)]
+        notes = [*unused_columns(self.records), *motion_notes(records)]
         if self.forecast is None:
             return notes
         return [*notes, *self.forecast.notes, *(f"warning: {t}" for t in self.forecast.warnings)]
@@ -329,11 +361,7 @@ class Identification(Result):
                 }
                 for item in self.sensitivity
             },
-            "assumed": [item.summary() for item in self.uncertainty.assumed.evidence],
-            "suspects": [
-                *(zero.suspicion(name) for name, zero in self._measured_zeros()),
-                *(item.suspicion() for item in self.uncertainty.suspects),
-            ],
+            **self._diagnosis(),
             "records": [*map(record_summary, self.fits, self.checks)],
             "poor": self.poor,
             "thermocouples": self.thermocouples,
@@ -351,6 +379,24 @@ class Identification(Result):
             "sentence": self.sentence,
         }
         return summary | ({"posterior": self.forecast.summary()} if self.forecast else {})
+
+    def _diagnosis(self) -> dict[str, Any]:
+        """Return the content of summary.json about assumed values and the causes of a misfit."""
+        return {
+            "assumed": [
+                item.summary() | self._moved_most(k)
+                for k, item in enumerate(self.uncertainty.assumed.evidence)
+            ],
+            "removed_by_finer_cells": (
+                cells.explained if (cells := self.uncertainty.of_cells) is not None else None
+            ),
+            "suspects": [
+                *(zero.suspicion(name) for name, zero in self._measured_zeros()),
+                *(item.suspicion() for item in self.uncertainty.suspects),
+            ],
+            "differences": [item.summary() for item in self.differences],
+            "difference": describe_differences(self.differences),
+        }
 
     def with_forecast(self, forecast: "Forecast") -> "Identification":
         """Return the result with samples of the posterior and predicted bands."""
@@ -371,8 +417,7 @@ class Identification(Result):
             text = sourced_toml(compound, compound.sources)
             (folder / COMPOUND).write_text(text, encoding="utf-8")
         write_digests(folder, self.records)
-        fit = without_formulas(_fit_table(self))
-        fit.to_csv(folder / FIT_TABLE, index=False, float_format="%.9g", lineterminator="\n")
+        write_samples(folder / FIT_TABLE, self.fits)
         if len(self.cycles):
             write_csv(folder / CYCLE_TABLE, self.cycles)
         if rows := self.thermocouples:
@@ -501,9 +546,8 @@ def _sources(identification: "Identification", tests: str) -> dict[str, str]:
     return sources
 
 
-def _fit_table(identification: "Identification") -> "pd.DataFrame":
-    """Return tests and model sample by sample: number of the record, s, mm, kN, degC."""
-    frames = (
-        pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(identification.fits)
-    )
-    return pd.concat(frames)
+def write_samples(file: Path, fits: Sequence[Comparison]) -> None:
+    """Write tests and model sample by sample: number of the record, s, mm, kN, degC."""
+    frames = (pd.DataFrame({"record": k, **fit.samples}) for k, fit in enumerate(fits))
+    table = without_formulas(pd.concat(frames))
+    table.to_csv(file, index=False, float_format="%.9g", lineterminator="\n")

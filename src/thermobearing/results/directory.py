@@ -190,6 +190,7 @@ ROUNDS, CHECKS, BEARINGS = "rounds.csv", "checks.csv", "bearings"
 TEMPERATURES, CYCLE_TABLE = "temperatures.csv", "cycles.csv"
 STATES, VIRGIN = "states.csv", "virgin.csv"
 FOLDS, THERMOCOUPLES = "folds.csv", "thermocouples.csv"
+HELD_OUT_SAMPLES = "held_out.csv"  # of tests held out, as those of a fit
 PREDICTED = "predicted.csv"  # quantities of each cycle of a predicted test
 INPUT_DIGESTS = "inputs.sha256"
 REPORT_HTML, REPORT_PDF, WORKBOOK = "report.html", "report.pdf", "report.xlsx"
@@ -218,6 +219,7 @@ RESULT_NAMES = {
     FIT_TABLE,
     FOLDS,
     FRAME_PERIODS,
+    HELD_OUT_SAMPLES,
     HISTORY,
     IDENTIFIED,
     INPUT_DIGESTS,

@@ -20,13 +20,22 @@ from thermobearing.identify.result import (
     check_warnings,
     record_summary,
     write_digests,
+    write_samples,
 )
+from thermobearing.identify.treatments import motion_notes
 from thermobearing.model.outcomes import SENTENCES as OUTCOMES
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import counted, joined, percent
 from thermobearing.results.base import COMPLETED, Result
-from thermobearing.results.directory import CYCLE_TABLE, FIT_TABLE, FOLDS, TABLE, THERMOCOUPLES
+from thermobearing.results.directory import (
+    CYCLE_TABLE,
+    FIT_TABLE,
+    FOLDS,
+    HELD_OUT_SAMPLES,
+    TABLE,
+    THERMOCOUPLES,
+)
 from thermobearing.results.writing import without_formulas, write_csv
 
 if TYPE_CHECKING:
@@ -375,19 +384,36 @@ class CrossValidation(Result):
         return Table("Parameters without each fold", columns, rows, keys=2)
 
     def notes(self) -> list[str]:
-        """Return notes of the final fit, and the limits with the verdict on the tests held out."""
-        return [*self.final.notes(), *self.held_out.notes()]
+        """Return notes of the final fit, turns added to tests held out, and the verdict."""
+        of_motion = [f"held out, {text}" for text in motion_notes(self._records_held_out)]
+        return [*self.final.notes(), *of_motion, *self.held_out.notes()]
+
+    @property
+    def _records_held_out(self) -> list[dict[str, Any]]:
+        """Records of the tests held out, for summary.json; none of folds.
+
+        With folds, each test is held out once, and is among the records of the final fit.
+        """
+        return [*map(record_summary, self._comparisons_held_out, self.checks)]
+
+    @property
+    def _comparisons_held_out(self) -> list[Comparison]:
+        """Comparisons of tests that no calibration used; none of folds."""
+        return [] if self.folds else self.held_out.comparisons
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json: that of the final fit, and `held_out`."""
-        # With folds, each test is held out once, and is among the records of the final fit.
-        records = [] if self.folds else map(record_summary, self.held_out.comparisons, self.checks)
         held_out = {
             "verdict": self.verdict,
             "outcome": self.outcome,
             "limits": self.held_out.limits,
             "tests": self.table.to_dict("records"),
-            "records": [*records],
+            "records": self._records_held_out,
+            "thermocouples": [
+                {"test": fit.record.name, **row}
+                for fit in self._comparisons_held_out
+                for row in fit.thermocouples
+            ],
             "folds": self.parameters.to_dict("records") if self.folds else [],
             "jackknife_stderr": self.spread,
         }
@@ -404,5 +430,7 @@ class CrossValidation(Result):
         write_digests(folder, [*self.final.records, *held_out])
         write_csv(folder / TABLE, self.table)
         write_csv(folder / CYCLE_TABLE, self.judged.cycles)
+        if fits := self._comparisons_held_out:
+            write_samples(folder / HELD_OUT_SAMPLES, fits)
         if self.folds:
             write_csv(folder / FOLDS, self.parameters)

@@ -24,7 +24,7 @@ from thermobearing.border.errors import InputError, nearest, shortened
 from thermobearing.border.toml import to_table
 from thermobearing.border.units import is_number
 from thermobearing.identify.case import IdentifyCase, IdentifyKeywords, Test, make_identify_case
-from thermobearing.identify.comparison import Comparison
+from thermobearing.identify.comparison import LIMITS, Comparison
 from thermobearing.identify.fit.forward import ForwardModel, unstable_tests
 from thermobearing.identify.records.checks import NOT_NEEDED, CheckReport, check_test
 from thermobearing.identify.records.record import TestRecord, load_test, reached_values
@@ -37,7 +37,6 @@ from thermobearing.results.ranges import compare_with_tests, outside_tests
 from thermobearing.validate.result import QUANTITIES, CrossValidation, Validation
 
 ANY_HISTORY = (*NOT_NEEDED, "begin", "end")  # checks of which a comparison repeats no warning
-LIMITS = {"K_eq": 0.15, "h_eq": 0.15}  # of Shen (2023), 4.4.2
 LARGEST_LIMIT = 10.0
 Chosen = Bearing | str | Path
 Progress = Callable[[int, int], None]

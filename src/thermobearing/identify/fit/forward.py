@@ -186,7 +186,8 @@ class ForwardModel:
         self._segment = Segment("recorded", record.name, grid.x, grid.dt, cycle, no_turns)
         self._chamber = record.ambient if ambient is None else ambient
         self._conditioning = record.conditioning if ambient is None else None
-        self._ambient = Ambient.constant(self._chamber)
+        air_offset = record.air_offset if ambient is None else 0.0
+        self._ambient = Ambient.constant(self._chamber + air_offset)
         self._initial, self._initial_lead = self._start(bearing)
         self._bearing = bearing
         self._groups = ("rubber",) if record.places or record.axial is not None else ()

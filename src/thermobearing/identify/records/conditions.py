@@ -3,7 +3,7 @@
 import hashlib
 from typing import Any
 
-from thermobearing.identify.records.record import WEIGHTS, AxialRecord, TestRecord
+from thermobearing.identify.records.record import WEIGHTS, TestRecord
 from thermobearing.identify.records.turns import largest_displacement
 from thermobearing.results.ranges import cycles_in_a_row, largest_speed
 from thermobearing.tables.conditioning import Conditioning
@@ -28,11 +28,12 @@ def record_conditions(record: TestRecord, rubber: float) -> dict[str, Any]:
         "largest_force_kN": record.peak_force,
         "largest_speed_mm_s": largest_speed(record.time, record.displacement),
         "cycles_in_a_row": cycles_in_a_row(record.time, record.displacement),
+        "mean_ambient_degC": record.ambient + record.air_offset,
         "thermocouples": dict(record.places),
         **{name: getattr(record, name) for name in WEIGHTS},
         **record.about,
         **_stated_conditioning(record.conditioning),
-        **_stated_axial(record.axial),
+        **_stated_axial(record),
         "assumptions": list(record.assumptions),
         "sha256": digest.hexdigest(),
         **({"files": dict(record.digests)} if record.digests else {}),
@@ -52,8 +53,13 @@ def _stated_conditioning(conditioning: Conditioning | None) -> dict[str, Any]:
     }
 
 
-def _stated_axial(axial: AxialRecord | None) -> dict[str, Any]:
-    """Return the ends of the axial force of a record for summary.json; nothing without one."""
-    if axial is None:
-        return {}
-    return {"axial_force_kN": [float(axial.force.min()), float(axial.force.max())]}
+def _stated_axial(record: TestRecord) -> dict[str, Any]:
+    """Return the axial force of a record for summary.json; nothing where none is stated.
+
+    The ends of one that acts on the shear force of the model, or the value of one that does not.
+    """
+    if record.axial is not None:
+        force = record.axial.force
+        return {"axial_force_kN": [float(force.min()), float(force.max())]}
+    stated = record.stated_axial_force
+    return {} if stated is None else {"stated_axial_force_kN": stated}

@@ -25,13 +25,13 @@ from thermobearing.cyclic.conditioning import filled
 from thermobearing.quantities.words import joined
 from thermobearing.results.ranges import Ends, largest_speed, reached_by
 from thermobearing.tables.conditioning import Conditioning
-from thermobearing.tables.guess import AXIAL, HeaderTemperature
+from thermobearing.tables.guess import AXIAL, HeaderTemperature, initial_temperature
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
 MOST_SHOWN = 3  # columns in a question
 READ_TO = 1  # decimals of a temperature in K
-MEAN_TO = 2  # decimals of the mean of the column of a chamber [degC]
+MEAN_TO = 2  # decimals of the beginning and the mean of the column of a chamber [degC]
 ASSUMED_AMBIENT = 23.0  # laboratory temperature of Table 3.4 [degC]
 TOGETHER = 0.05  # of the largest displacement: largest deviation of a proportional strain
 WEIGHTS = ["weight", "first_cycle_weight", "cycle_balance"]
@@ -62,13 +62,15 @@ def _describe_drift(time: Floats, ambient: Floats) -> str:
         return ""
     low, high = float(middles.min()), float(middles.max())
     change = f"varies between {low:.1f} and {high:.1f} degC"
+    first = initial_temperature(ambient)
     # Mostly a straight line: a trend is named as one.
     if abs(line) >= 0.5 * wandered:
         begin, end = np.mean(ambient) - 0.5 * line, np.mean(ambient) + 0.5 * line
         change = f"{'rises' if line > 0.0 else 'falls'} from {begin:.1f} to {end:.1f} degC"
     return (
-        f"the ambient temperature {change} within the test; the mean, {ambient.mean():.1f} degC, "
-        "is used. Split the file, or state ambient, if that is too inaccurate"
+        f"the ambient temperature {change} within the test; the bearing starts at {first:.1f} "
+        f"degC, and exchanges heat with air at the mean, {ambient.mean():.1f} degC. Split the "
+        "file, or state ambient, if that is too inaccurate"
     )
 
 
@@ -93,7 +95,10 @@ class TestRecord:
     name, file : name of the test, and the file that it was read from.
     time, displacement, force : samples [s, mm, kN]; force has the sign of displacement.
     block : number of the block that each sample belongs to.
-    ambient : temperature of the chamber [degC]; the bearing starts at it, plus `start_offset`.
+    ambient : temperature of the chamber when the test begins, after the soak [degC]; the bearing
+        starts at it, plus `start_offset`, and the test is named by it.
+    air_offset : mean temperature of the chamber during the test, at which the faces of the bearing
+        exchange heat, less `ambient` [K].
     temperatures : samples of thermocouples [degC] by title, and
     places : position of each of them, "rubber 1" (outer layer), ..., "lead".
     weight, first_cycle_weight : of this record in a calibration; of its first cycles in addition.
@@ -122,6 +127,8 @@ class TestRecord:
     digests : SHA-256 of each file that the test was read from, by its path: sidecar and tables.
     ambient_from : where `ambient` was read, if a line above the table states it.
     axial : the axial force, where it acts on the shear force of the model; None where it does not.
+    stated_axial_force : axial force of the test [kN], whether it acts in the model or not: that of
+        the sidecar, or the mean of its column; None where it is not stated.
     """
 
     __test__ = False  # not a test for pytest
@@ -147,6 +154,7 @@ class TestRecord:
     ambient_uncertainty: float | None = None
     guessed_places: tuple[str, ...] = ()
     start_offset: float = 0.0
+    air_offset: float = 0.0
     conditioning: Conditioning | None = None
     about: dict[str, str | bool] = field(default_factory=dict)
     unclear: str = ""
@@ -155,6 +163,7 @@ class TestRecord:
     ambient_from: str = ""
     digests: dict[str, str] = field(default_factory=dict)
     axial: AxialRecord | None = None
+    stated_axial_force: float | None = None
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -286,6 +295,7 @@ def build_record(readings: Readings) -> TestRecord:
         force=readings.force,
         block=readings.block,
         ambient=math.nan if unclear else _ambient(readings, assumptions),
+        air_offset=0.0 if unclear else _air_offset(readings),
         unclear=unclear,
         ambient_from=f'line {header.line} of the file, "{header.text}"' if header else "",
         conditioning=_conditioning(readings, assumptions),
@@ -309,6 +319,7 @@ def build_record(readings: Readings) -> TestRecord:
             str(file): file_digest(file, LARGEST_MEMBER) for file in readings.files if is_file(file)
         },
         axial=_axial(readings),
+        stated_axial_force=_stated_axial_force(readings),
         about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
@@ -320,6 +331,14 @@ def _axial(readings: Readings) -> AxialRecord | None:
     if sidecar.axial == "constant":
         return AxialRecord(time, np.full(len(time), sidecar.axial_force))
     return AxialRecord(time, readings.values[AXIAL]) if sidecar.axial == "history" else None
+
+
+def _stated_axial_force(readings: Readings) -> float | None:
+    """Return the axial force that the sidecar or a column states [kN]; None without one."""
+    if readings.sidecar.axial_force is not None:
+        return float(readings.sidecar.axial_force)
+    column = readings.values.get(AXIAL)
+    return None if column is None else float(column.mean())
 
 
 def _rubber_thickness(values: dict[str, Floats], assumptions: list[str]) -> float | None:
@@ -379,7 +398,7 @@ def _describe_unclear_ambient(readings: Readings) -> str:
 
 
 def _ambient(readings: Readings, assumptions: list[str]) -> float:
-    """Return the chamber temperature [degC]: given, or the mean of a column, or assumed."""
+    """Return the chamber temperature [degC]: given, or where a column begins, or assumed."""
     if readings.sidecar.ambient is not None:
         return readings.sidecar.ambient
     if header := _header_temperature(readings):
@@ -397,9 +416,23 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
         )
     drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""
     assumptions += [drift] if drift else []
-    # No chamber is known to better than a hundredth of a kelvin; zero has no sign.
-    mean = round(float(column.mean()), MEAN_TO) + 0.0
-    return check_temperature(mean, f"{readings.file}: ambient")
+    return check_temperature(_rounded(initial_temperature(column)), f"{readings.file}: ambient")
+
+
+def _air_offset(readings: Readings) -> float:
+    """Return the mean of the column of the chamber less its beginning [K]; 0 without a column."""
+    column = readings.values.get("ambient")
+    if column is None or readings.sidecar.ambient is not None:
+        return 0.0
+    return _rounded(float(column.mean())) - _rounded(initial_temperature(column))
+
+
+def _rounded(temperature: float) -> float:
+    """Return a temperature of a chamber, which no one knows to better than a hundredth of a kelvin.
+
+    Zero has no sign.
+    """
+    return round(temperature, MEAN_TO) + 0.0
 
 
 def _conditioning(readings: Readings, assumptions: list[str]) -> Conditioning | None:

@@ -24,6 +24,7 @@ from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.cycles import (
     NORMAL,
     Cycle,
+    dead_band,
     estimate_noise,
     full_cycles,
     measure_zeros,
@@ -31,6 +32,7 @@ from thermobearing.identify.records.cycles import (
     turning_points,
 )
 from thermobearing.identify.records.record import PAUSE, TestRecord
+from thermobearing.identify.records.turns import measure_added_turns
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.words import counted, percent
 
@@ -206,7 +208,14 @@ class Treatment:
 
     def summary(self) -> dict[str, Any]:
         """Return the content of summary.json about the treatment."""
+        moved = _thin_rests(self.cleaned, self.rests)[0]  # what a model follows
+        added = measure_added_turns(moved)
         return {
+            "turns_added": added.turns,
+            "farthest_turn_mm": added.farthest,
+            "largest_sample_mm": added.sampled,
+            "largest_displacement_mm": added.largest,
+            "dead_band_mm": dead_band(moved.displacement),
             "noise": {f"{name}_{UNITS[name]}": value for name, value in self.noise.items()},
             "rests": len(self.rests),
             "samples_at_rest": sum(last - first + 1 for first, last in self.rests),

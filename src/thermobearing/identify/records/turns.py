@@ -145,16 +145,43 @@ def _turned_samples(record: TestRecord) -> dict[int, float]:
     return {k: turn.displacement for turn in turns for k in (turn.before, turn.before + 1)}
 
 
+class AddedTurns(NamedTuple):
+    """Turns that a model makes between two samples of a record."""
+
+    turns: int
+    farthest: float  # largest way from such a turn to the nearest sample [mm]
+    sampled: float  # largest displacement of the samples [mm]
+    largest: float  # largest displacement of the motion with these turns [mm]
+
+
+def measure_added_turns(record: TestRecord) -> AddedTurns:
+    """Return how many turns a model adds to the samples of a record, and what they change."""
+    turns, sampled = find_cut_turns(record.time, record.displacement), record.peak_displacement
+    farthest = max((turn.cut for turn in turns), default=0.0)
+    largest = largest_displacement(record) if turns else sampled
+    return AddedTurns(len(turns), farthest, sampled, largest)
+
+
 def describe_cut_turns(record: TestRecord) -> str:
     """Return a sentence on the turns that the record does not have; empty if it has them all."""
-    turns = find_cut_turns(record.time, record.displacement)
-    if not turns:
+    added = measure_added_turns(record)
+    if not added.turns:
         return ""
-    largest = max(turn.cut for turn in turns)
     return (
-        f"turns of the motion between two samples: {len(turns)}, up to {largest:.2g} mm from the "
-        "nearest sample; a calibration turns where the straight legs meet"
+        f"turns of the motion between two samples: {added.turns}, up to {added.farthest:.2g} mm "
+        "from the nearest sample; a calibration turns where the straight legs meet, so that the "
+        f"largest displacement is {describe_change(added.sampled, added.largest)}"
     )
+
+
+def describe_change(sampled: float, largest: float) -> str:
+    """Return a largest displacement of samples and of the motion [mm], with their difference.
+
+    >>> describe_change(52.25, 52.5)
+    '52.50 mm instead of 52.25 mm, +0.48 %'
+    """
+    change = number(100.0 * (largest / sampled - 1.0), "+.2f")
+    return f"{largest:.2f} mm instead of {sampled:.2f} mm, {change} %"
 
 
 def step_at_reversals(record: TestRecord) -> float:

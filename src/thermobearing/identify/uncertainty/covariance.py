@@ -153,7 +153,9 @@ class Evidence:
     group: Group
     sigmas: float  # wanted change of the file's values, in standard uncertainties
     stderr: float  # of `sigmas`, by the tests
-    explained: float  # share of the squared residuals that this would remove, in [0, 1]
+    # Share of the squared residuals that this would remove, at most 1; negative where more heat
+    # cells, whose effect is not scaled, would add to them.
+    explained: float
     # [residual, 1 or test] change by one standard uncertainty that no parameter can imitate.
     columns: Floats = field(default_factory=lambda: np.zeros((0, 0)), repr=False, compare=False)
     imitated: bool = False  # with a possible cause of the misfit, the tests require no such change
@@ -181,10 +183,11 @@ class Evidence:
     def conceivable(self) -> bool:
         """Whether the tests require less than a tenfold value, which no mistake explains.
 
-        Another number of heat cells is in one direction: to the other side there is none.
+        More heat cells are in one direction, and a cause only where they take a notable share
+        of the squared residuals away.
         """
         if self.group.key == CELLS:
-            return self.sigmas > 0.0
+            return self.sigmas > 0.0 and self.explained > MUCH
         return abs(self.sigmas) * (self.group.relative or 0.0) < math.log(TENFOLD)
 
     @property
@@ -294,6 +297,8 @@ def _weigh(
     variance = bread @ linear.meat(columns, left_over) @ bread
     smallest = bread * float(left_over @ left_over) / len(left_over)
     removed = float(sigmas @ inner @ sigmas)
+    if group.key == CELLS:  # whole numbers: what the finer calculation itself removes
+        removed = float(-np.sum(2.0 * (columns.T @ residuals) + np.diag(inner)))
     explained = removed / max(float(residuals @ residuals), 1e-300)
     k = place_of_largest(np.abs(sigmas))
     stderr = float(np.sqrt(max(variance[k, k], smallest[k, k])))
@@ -382,6 +387,7 @@ class Uncertainty:
     covariance: Floats  # in the unit cube, by the tests and the assumed values
     of_tests: Floats  # in the unit cube, by the tests alone
     widening: float  # factor on the errors by the tests, for intervals and draws
+    stretching: Floats  # factor on the errors of draws of each parameter, at least 1
     correlation: Floats  # by the tests alone
     assumed: Propagated
     mistakes: tuple[Evidence, ...]  # what the tests say about each
@@ -390,6 +396,11 @@ class Uncertainty:
     rms: float  # of the residuals, relative to the peak force
     warnings: list[str] = field(default_factory=list)
     misfit: list[str] = field(default_factory=list)  # causes of residuals that are not noise
+
+    @property
+    def of_cells(self) -> Evidence | None:
+        """What the tests say about more heat cells; None where that was not computed."""
+        return next((item for item in self.mistakes if item.group.key == CELLS), None)
 
     @property
     def suspects(self) -> list[Evidence]:
@@ -453,6 +464,7 @@ def estimate(
         covariance=covariance,
         of_tests=of_tests,
         widening=factor,
+        stretching=_stretching(assumed, of_tests, factor),
         correlation=np.asarray(of_tests / np.outer(safe, safe)),
         assumed=assumed,
         mistakes=_weigh_mistakes(problem, cube, groups, linear),
@@ -469,18 +481,30 @@ def estimate(
     return replace(uncertainty, warnings=warnings, misfit=misfit)
 
 
-def _half_intervals(assumed: Propagated, of_tests: Floats, factor: float) -> Floats:
-    """Return half the 95 % intervals in the unit cube, each part with its degrees of freedom.
+def _variances(assumed: Propagated, of_tests: Floats, factor: float) -> tuple[Floats, Floats]:
+    """Return the variances in the unit cube of intervals, and of widened errors.
 
     `factor` widens the errors by the tests, whose covariance is `of_tests`.
     """
     # Errors of two groups may cancel in a parameter, and more so where only one of them is widened:
     # that makes no interval smaller.
-    of_groups = np.maximum(
-        *(np.diag(assumed._covariance(factors)) for factors in (1.0, assumed.widening))
+    plain, widened = (np.diag(assumed._covariance(factors)) for factors in (1.0, assumed.widening))
+    tests = factor**2 * np.diag(of_tests)
+    return np.maximum(plain, widened) + tests, widened + tests
+
+
+def _half_intervals(assumed: Propagated, of_tests: Floats, factor: float) -> Floats:
+    """Return half the 95 % intervals in the unit cube, each part with its degrees of freedom."""
+    of_intervals = _variances(assumed, of_tests, factor)[0]
+    return np.asarray(half_interval(NORMAL_FREEDOM) * np.sqrt(of_intervals))
+
+
+def _stretching(assumed: Propagated, of_tests: Floats, factor: float) -> Floats:
+    """Return by how much draws of each parameter are stretched, to fill its interval."""
+    of_intervals, of_draws = _variances(assumed, of_tests, factor)
+    return np.sqrt(
+        np.divide(of_intervals, of_draws, out=np.ones_like(of_draws), where=of_draws > 0)
     )
-    square = of_groups + factor**2 * np.diag(of_tests)
-    return np.asarray(half_interval(NORMAL_FREEDOM) * np.sqrt(square))
 
 
 def _estimate(p: Parameter, u: float, variance: float, spread: float, reach: float) -> Estimate:

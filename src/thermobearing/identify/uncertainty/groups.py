@@ -34,7 +34,7 @@ OF_EACH_TEST = (DRIFT, ZERO, ZERO_DRIFT)
 OF_TESTS = (AMBIENT, TURNS, FORCE, CONDITIONING, CHAMBER, *OF_EACH_TEST, DELAY)
 CELLS = "cells"
 PERCENT = 100.0  # of the peak of a signal
-COARSER_RUBBER, COARSER_SHIM = 3, 2  # times fewer heat cells than in a bearing that has enough
+FINER = 2  # times more heat cells than in a bearing that has enough
 
 
 def half_interval(freedom: float) -> float:
@@ -150,14 +150,15 @@ def shift(bearing: Bearing, group: Group, sigmas: float) -> Bearing:
 
 
 def _other_cells(bearing: Bearing) -> Cells:
-    """Return a division into heat cells that is coarser, or fine enough where it is coarse."""
+    """Return a finer division into heat cells: enough where it is coarse, else twice as many.
+
+    What the calculation changes with it is its error by the cells.
+    """
     cells, enough = bearing.cells, bearing.cells.enough()
     if cells != enough:
         return enough
-    coarser = {"rubber": COARSER_RUBBER, "shim": COARSER_SHIM}
-    return cells.model_copy(
-        update={name: max(1, getattr(cells, name) // times) for name, times in coarser.items()}
-    )
+    counts = {name: FINER * getattr(cells, name) for name in ("rubber", "shim")}
+    return cells.model_copy(update=counts)
 
 
 def groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> list[Group]:

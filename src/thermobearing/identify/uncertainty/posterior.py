@@ -7,7 +7,8 @@ within the bounds on the scale of the search.
 
 A sample has a value of every number that is uncertain: of the free parameters, and of all that are
 held at an assumed value. The optimum moves with the assumed values (covariance.py), so both are
-drawn together. Errors are widened by the factors that the intervals contain.
+drawn together. Errors are widened by the factors that the intervals contain, and those of a
+parameter in which widened errors cancel are stretched to its interval, which is not narrowed by it.
 """
 
 import math
@@ -175,7 +176,8 @@ def _draw(identification: Identification, count: int, seed: int) -> tuple[Floats
     for _ in range(MOST_ROUNDS):
         change = _draw_held(identification, count, rng)
         errors = _normal_draws(uncertainty.widening**2 * uncertainty.of_tests, count, rng)
-        cube = identification.cube + errors + product_in_order(change, uncertainty.assumed.shifts.T)
+        errors += product_in_order(change, uncertainty.assumed.shifts.T)
+        cube = identification.cube + uncertainty.stretching * errors
         inside = ((cube >= 0.0) & (cube <= 1.0)).all(axis=1)
         cubes.append(cube[inside])
         changes.append(change[inside])

@@ -1,0 +1,108 @@
+"""How large a misfit is: residuals of the force and of the temperatures against their noise."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from thermobearing.core.records import Floats
+from thermobearing.identify.comparison import Comparison
+from thermobearing.identify.records.checks import CheckReport
+from thermobearing.identify.records.cycles import estimate_noise
+from thermobearing.quantities.governing import largest_by
+from thermobearing.quantities.words import number, percent
+from thermobearing.tables.guess import initial_temperature
+
+FORCE = "force"
+Row = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """Difference of model and test in one signal of a test."""
+
+    test: str
+    signal: str  # "force", or the title of a thermocouple
+    unit: str
+    rms: float  # without the mean of a force, which is fitted
+    noise: float  # standard deviation of the noise of the signal; 0 without noise
+    largest: float  # at any time; magnitude
+    scale: float  # largest force, or largest rise of the temperature
+
+    @property
+    def times_noise(self) -> float:
+        """Return the rms difference over the noise; infinite without noise."""
+        return self.rms / self.noise if self.noise > 0.0 else float("inf")
+
+    def summary(self) -> dict[str, Any]:
+        """Return the content of summary.json about the difference."""
+        return asdict(self)
+
+
+def measure_differences(
+    fits: Sequence[Comparison], checks: Sequence[CheckReport], weights: Sequence[Floats]
+) -> list[Difference]:
+    """Return the differences of model and tests, signal by signal.
+
+    `weights` are those of the samples of each force in the calibration; samples without weight,
+    such as those at rest, do not count.
+    """
+    differences = []
+    for fit, check, weight in zip(fits, checks, weights, strict=True):
+        if fit.prediction is None or check.treatment is None:
+            continue
+        record, used = fit.record, weight > 0.0
+        residual = (fit.prediction.force - record.force)[used]
+        noise, scale = check.treatment.noise["force"], record.peak_force
+        if len(residual):
+            centred = residual - residual.mean()
+            differences.append(_difference(record.name, FORCE, "kN", centred, noise, scale))
+        for title, test in record.temperatures.items():
+            model, begin = fit.prediction.temperatures[title], initial_temperature(test)
+            rise = float((test - begin).max())
+            if rise > 0.0:
+                courses = model - initial_temperature(model) - (test - begin)
+                # Of all samples: those in rests are means, which have less noise.
+                noise = estimate_noise(check.record.temperatures.get(title, test))
+                differences.append(_difference(record.name, title, "K", courses, noise, rise))
+    return differences
+
+
+def _difference(
+    test: str, signal: str, unit: str, values: Floats, noise: float, scale: float
+) -> Difference:
+    rms, largest = float(np.sqrt(np.mean(values**2))), float(np.abs(values).max())
+    return Difference(test, signal, unit, rms, noise, largest, scale)
+
+
+def describe_differences(differences: Sequence[Difference]) -> str:
+    """Return where force and temperatures differ most, and by how much; "" without any."""
+    forces = [item for item in differences if item.signal == FORCE]
+    sensors = [item for item in differences if item.signal != FORCE]
+    parts = []
+    if forces:
+        item = largest_by(forces, lambda item: item.rms / max(item.noise, 1e-12))
+        parts.append(
+            f"the force most in {item.test}, by {_size(item, item.rms)} rms "
+            f"({percent(item.rms / item.scale, 2)} of the peak, {_against_noise(item)})"
+        )
+    if sensors:
+        item = largest_by(sensors, lambda item: item.largest / item.scale)
+        parts.append(
+            f"the temperature rise most in {item.test}, {item.signal}, by up to "
+            f"{_size(item, item.largest)} ({percent(item.largest / item.scale, 1)} of the rise, "
+            f"{_size(item, item.rms)} rms, {_against_noise(item)})"
+        )
+    return " and ".join(parts)
+
+
+def _size(item: Difference, value: float) -> str:
+    return f"{number(value, '.2g')} {item.unit}"
+
+
+def _against_noise(item: Difference) -> str:
+    """Return the rms difference relative to the noise, in words."""
+    if item.noise <= 0.0:
+        return "the signal has no noise"
+    return f"{number(item.times_noise, '.3g')} times the noise of {_size(item, item.noise)}"
