@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 import thermobearing as tb
+from thermobearing.cyclic.tables import measured_table
 from thermobearing.identify.comparison import LIMITS, limit_source
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.misfit import FORCE, describe_differences
+from thermobearing.identify.records.measured import _draw_loops, measure_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import treat
 from thermobearing.identify.treatments import (
@@ -134,6 +136,28 @@ def test_a_misfit_is_stated_with_its_signal_test_size_and_noise() -> None:
     assert forces["wrong"].noise == pytest.approx(0.001 * wrong.peak_force, rel=0.5)
     assert "wrong" in describe_differences(found.differences)
     assert found.summary()["difference"] == describe_differences(found.differences)
+
+
+def test_measured_strains_are_one_number(cut: TestRecord, tmp_path: Path) -> None:
+    """In the table, the file and the title of the figure: that of the turns, not of the samples."""
+    np.savetxt(
+        tmp_path / "cut.csv",
+        np.column_stack((cut.time, cut.displacement, cut.force)),
+        delimiter=",",
+        header="time_s,displacement_mm,force_kN",
+        comments="",
+    )
+    measured = measure_cycles(tmp_path / "cut.csv", tb.load_bearing("shen-hdr-specimen"))
+    assert measured.strains == pytest.approx([AMPLITUDE / 30.0] * len(measured.strains), rel=1e-6)
+    assert measured.table["strain"].tolist() == measured.strains
+    assert all(cycle.amplitude_mm < AMPLITUDE - 0.1 for cycle in measured.measures)
+    cut_by = max(AMPLITUDE / cycle.amplitude_mm - 1.0 for cycle in measured.measures)
+    assert sum(f"+{100.0 * cut_by:.1f} %" in note for note in measured.notes) == 1
+    axes = _draw_loops(measured).axes
+    (title,) = (ax.get_title(loc="left") or ax.get_title() for ax in axes if ax.axison)
+    assert title.startswith("175 %:")
+    table = measured_table(measured.measures, measured.ends, measured.strains)
+    assert {row[1] for row in table.texts()} == {"175.0"}
 
 
 def test_limits_of_errors_have_a_source() -> None:

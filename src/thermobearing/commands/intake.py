@@ -114,9 +114,7 @@ def _measure(
         measured.save(end.output, overwrite=end.overwrite, figures=end.figures)
         last["output"] = str(end.output)
     if not end.quiet:
-        show_table(
-            measured_table(measured.measures, measured.ends, specimen.total_rubber_thickness)
-        )
+        show_table(measured_table(measured.measures, measured.ends, measured.strains))
         for note in measured.notes:
             typer.echo(printable(note))
         if end.output is not None:

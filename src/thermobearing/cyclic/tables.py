@@ -223,12 +223,15 @@ def energy_table(energy: "pd.DataFrame") -> Table:
 
 
 def measured_table(
-    cycles: Sequence[CycleMeasures], ends: Sequence[str], total_rubber_thickness: float
+    cycles: Sequence[CycleMeasures], ends: Sequence[str], strains: Sequence[float]
 ) -> Table:
-    """Return the measures of the cycles of a measured history, and how each ends."""
+    """Return the measures of the cycles of a measured history, and how each ends.
+
+    `strains` are their amplitudes, whose turns may be between two samples.
+    """
     frame = pd.DataFrame([vars(m) for m in cycles]).assign(
         cycle=np.arange(1, len(cycles) + 1),
-        amplitude_strain=[m.amplitude_mm / total_rubber_thickness for m in cycles],
+        amplitude_strain=list(strains),
         K_eq_kN_mm=[m.stiffness_kN_mm for m in cycles],
         ends=list(ends),
     )

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,9 @@ from thermobearing.identify.records.checks import check_test, check_thermocouple
 from thermobearing.identify.records.cycles import closing_cycles
 from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
 from thermobearing.identify.records.treatment import describe_treatment
-from thermobearing.quantities.words import joined
+from thermobearing.identify.records.turns import amplitudes_between
+from thermobearing.quantities.governing import largest_by
+from thermobearing.quantities.words import joined, number, percent
 from thermobearing.results import drawing
 from thermobearing.results.directory import CYCLE_TABLE, FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style
@@ -27,6 +29,7 @@ STILL = 0.02  # of the largest displacement: moved less over a gap in time, the 
 NEAR = 5  # cycles whose strains agree within so many percent share a panel
 FEW = 5  # cycles that a title names one by one
 MOST_ACROSS = 2  # panels
+UNCUT = 0.0005  # of an amplitude: nearer to the samples than a turn is one of them
 
 
 @dataclass(frozen=True)
@@ -44,12 +47,19 @@ class MeasuredCycles:
     def table(self) -> "pd.DataFrame":
         """A row per full cycle: number, strain, measures with units, and the type of its end."""
         rows = [
-            {"cycle": number, "strain": cycle.amplitude_mm / self.total_rubber_thickness}
-            | asdict(cycle)
-            | {"ends": ends}
-            for number, (cycle, ends) in enumerate(zip(self.measures, self.ends, strict=True), 1)
+            {"cycle": number, "strain": strain} | asdict(cycle) | {"ends": ends}
+            for number, (strain, cycle, ends) in enumerate(
+                zip(self.strains, self.measures, self.ends, strict=True), 1
+            )
         ]
         return pd.DataFrame(rows).rename(columns={"stiffness_kN_mm": "K_eq_kN_mm"})
+
+    @cached_property
+    def strains(self) -> list[float]:
+        """Amplitude of each cycle over the rubber thickness; turns may be between two samples."""
+        ends = [(rows.start, rows.stop - 1) for rows in self.rows]
+        amplitudes = amplitudes_between(self.record, ends)
+        return [amplitude / self.total_rubber_thickness for amplitude in amplitudes]
 
     def save(
         self, directory: str | Path, *, overwrite: bool = False, figures: Wanted = True
@@ -128,30 +138,43 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
             "closing cycles, which stop the motion after a level, and which a calibration counts "
             f"but does not list: {joined(numbers)}"
         )
-    return MeasuredCycles(measures, ends, notes, record, rows, rubber)
+    measured = MeasuredCycles(measures, ends, notes, record, rows, rubber)
+    shares = [
+        rubber * strain / cycle.amplitude_mm - 1.0
+        for strain, cycle in zip(measured.strains, measures, strict=True)
+        if cycle.amplitude_mm > 0.0
+    ]
+    cut = largest_by(shares, abs) if shares else 0.0
+    if abs(cut) > UNCUT:
+        notes.append(
+            "strains are those of the turns between two samples, by up to "
+            f"{number(100.0 * cut, '+.1f')} % from those of the samples; other measures are of the "
+            "samples"
+        )
+    return measured
 
 
 def _draw_loops(measured: MeasuredCycles) -> Figure:
     """Draw the loop of each full cycle, those of about one amplitude in a panel."""
     levels: dict[int, list[int]] = {}
-    for number, cycle in enumerate(measured.measures):
-        strain = cycle.amplitude_mm / measured.total_rubber_thickness
-        levels.setdefault(round(100.0 * strain / NEAR) * NEAR, []).append(number)
+    for place, strain in enumerate(measured.strains):
+        levels.setdefault(round(100.0 * strain / NEAR) * NEAR, []).append(place)
     across = min(len(levels), MOST_ACROSS)
     down = math.ceil(len(levels) / across)
     title = f"{printable(measured.record.name)}: {len(measured.measures)} full cycles"
     size = (drawing.WIDEST, 0.8 + 2.6 * down)
     figure, axes = drawing.panels(down, across, size, title)
     x, force = measured.record.displacement, measured.record.force
-    for ax, (level, numbers) in zip(axes, sorted(levels.items()), strict=False):
+    for ax, (_, numbers) in zip(axes, sorted(levels.items()), strict=False):
         colours = drawing.ordered_colours(len(numbers), "viridis")
-        for number, colour in zip(numbers, colours, strict=True):
-            rows = measured.rows[number]
+        for place, colour in zip(numbers, colours, strict=True):
+            rows = measured.rows[place]
             ax.plot(x[rows], force[rows], color=colour, linewidth=0.8)
-        listed = ", ".join(str(number + 1) for number in numbers)
+        listed = ", ".join(str(place + 1) for place in numbers)
         if len(numbers) > FEW:
             listed = f"{numbers[0] + 1} (dark) to {numbers[-1] + 1}"
-        name = f"about {level} %: {'cycle' if len(numbers) == 1 else 'cycles'} {listed}"
+        strain = float(np.mean([measured.strains[place] for place in numbers]))
+        name = f"{percent(strain)}: {'cycle' if len(numbers) == 1 else 'cycles'} {listed}"
         drawing.name_axes(ax, "displacement [mm]", "force [kN]", name)
     for ax in axes[len(levels) :]:
         ax.set_axis_off()

@@ -131,10 +131,16 @@ def largest_displacement(record: TestRecord) -> float:
 
 def turned_amplitudes(record: TestRecord) -> list[float]:
     """Return the amplitude of each full cycle [mm]; its turns may be between two samples."""
+    ends = [(cycle.first, cycle.last) for cycle in full_cycles(record)]
+    return amplitudes_between(record, ends)
+
+
+def amplitudes_between(record: TestRecord, ends: Sequence[tuple[int, int]]) -> list[float]:
+    """Return half the range of the motion between first and last samples of cycles [mm]."""
     turned, x, amplitudes = _turned_samples(record), record.displacement, []
-    for cycle in full_cycles(record):
-        rows = x[cycle.first : cycle.last + 1]
-        high, low = cycle.first + int(rows.argmax()), cycle.first + int(rows.argmin())
+    for first, last in ends:
+        rows = x[first : last + 1]
+        high, low = first + int(rows.argmax()), first + int(rows.argmin())
         amplitudes.append(0.5 * (turned.get(high, float(x[high])) - turned.get(low, float(x[low]))))
     return amplitudes
 
