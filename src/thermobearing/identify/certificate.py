@@ -66,7 +66,8 @@ TEMPERATURE_COEFFICIENTS = ("m_T", "n_T")
 STATED_CONDITIONS = {"specimen": "Specimen", "laboratory": "laboratory", "date": "date"}
 NARROW = 14  # letters of a name in the table of tests that do not break
 MOST_FILES = 6  # of tests that are listed; inputs.sha256 has all
-MOST_LOOPS = 3  # panels of its figure
+MOST_LOOPS = 3  # panels of its figure, besides one of a test held out
+LOOP_WIDTHS = 3.4, 0.6  # of the band of a test and of the line of the model [pt]
 FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.2  # of the figure [inch], and where the page is full
 OVERFULL = -30  # rows of room below which the figure, which report.html has too, is left out
 NOTE_LINE = 150  # letters of the small print below a table in one line of the page
@@ -402,7 +403,7 @@ def _certified_loops(saved: SavedResult, height: float) -> ReportFigure:
         groups = _samples_of_tests(saved)
         figure, axes = drawing.panels(1, len(groups), (7.0, height), "")
         for ax, (title, rows) in zip(axes, groups, strict=True):
-            for (_, column, colour), width in zip(LOOPS, (2.4, 0.8), strict=True):
+            for (_, column, colour), width in zip(LOOPS, LOOP_WIDTHS, strict=True):
                 ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
         return figure

@@ -32,8 +32,11 @@ MARK_PHRASES = {  # words of a note on marked cells, and with the mark
 
 
 def marked_note(table: Table) -> str:
-    """Return the note of a table, with the mark of its cells and what it means."""
-    note = table.note
+    """Return the note of a table, with the mark of its cells and what it means.
+
+    Notes are no Markdown: the marks of names of commands are left out.
+    """
+    note = table.note.replace("`", "")
     for words, with_mark in MARK_PHRASES.items():
         note = note.replace(words, with_mark)
     return f"{MARK} {MARK_WORDS}. {note}".strip() if table.marked and MARK not in note else note
