@@ -36,7 +36,7 @@ from thermobearing.identify.report import _contradictions
 from thermobearing.identify.uncertainty.bands import OUTSIDE
 from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
 from thermobearing.identify.uncertainty.groups import chosen_groups
-from thermobearing.identify.uncertainty.posterior import drawn_bearing, forecast
+from thermobearing.identify.uncertainty.posterior import _draw, drawn_bearing, forecast
 from thermobearing.identify.uncertainty.samples import posterior_bearings
 from thermobearing.results.ranges import compare_with_tests, extrapolation, widened
 
@@ -53,6 +53,19 @@ def warm_only() -> tb.Identification:
     identification = tb.identify_bearing(record, HDR, starts=1)
     assert {M_T, N_T}.isdisjoint(identification.uncertainty.estimates)
     return identification.with_forecast(forecast(identification, [-20.0, 23.0]))
+
+
+def test_draws_are_stretched_to_the_intervals(warm_only: tb.Identification) -> None:
+    """Each parameter of its own; the numbers that are held are drawn as before."""
+    uncertainty = warm_only.uncertainty
+    plain, held = _draw(warm_only, 20, 0)
+    stretching = uncertainty.stretching * np.arange(1.0, len(warm_only.cube) + 1.0)
+    wide = replace(warm_only, uncertainty=replace(uncertainty, stretching=stretching))
+    stretched, same = _draw(wide, 20, 0)
+    assert same == pytest.approx(held)
+    ratios = (stretched - warm_only.cube) / (plain - warm_only.cube)
+    expected = np.arange(1.0, len(warm_only.cube) + 1.0)
+    assert ratios == pytest.approx(np.broadcast_to(expected, ratios.shape))
 
 
 def test_the_band_in_the_cold_contains_what_is_held(warm_only: tb.Identification) -> None:

@@ -132,17 +132,23 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
     except InputError as error:
         raise InputError(error.problems, str(path)) from None
     rows = [slice(cycle.first, cycle.last + 1) for cycle in full]
-    closing = closing_cycles([cycle.amplitude_mm for cycle in measures])
+    measured = MeasuredCycles(measures, ends, notes, record, rows, rubber)
+    return replace(measured, notes=[*notes, *_describe_cycles(measured)])
+
+
+def _describe_cycles(measured: MeasuredCycles) -> list[str]:
+    """Return notes on closing cycles, and on turns between two samples."""
+    notes = []
+    amplitudes = [cycle.amplitude_mm for cycle in measured.measures]
+    closing = closing_cycles(amplitudes)
     if numbers := [str(place) for place, flag in enumerate(closing, 1) if flag]:
         notes.append(
             "closing cycles, which stop the motion after a level, and which a calibration counts "
-            f"but does not list: {joined(numbers)}"
+            f"but does not list: {joined(numbers)}; their Q_d is no strength"
         )
-    measured = MeasuredCycles(measures, ends, notes, record, rows, rubber)
     shares = [
-        rubber * strain / cycle.amplitude_mm - 1.0
-        for strain, cycle in zip(measured.strains, measures, strict=True)
-        if cycle.amplitude_mm > 0.0
+        measured.total_rubber_thickness * strain / amplitude - 1.0
+        for strain, amplitude in zip(measured.strains, amplitudes, strict=True)
     ]
     cut = largest_by(shares, abs) if shares else 0.0
     if abs(cut) > UNCUT:
@@ -151,7 +157,7 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
             f"{number(100.0 * cut, '+.1f')} % from those of the samples; other measures are of the "
             "samples"
         )
-    return measured
+    return notes
 
 
 def _draw_loops(measured: MeasuredCycles) -> Figure:
