@@ -216,6 +216,24 @@ def test_what_the_tests_ask_for(off: float) -> None:
     assert found.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
 
 
+def test_more_heat_cells_are_a_cause_by_what_they_change_themselves() -> None:
+    """Five times their change would remove all residuals: no calculation makes it, and they do not.
+
+    The other groups are scaled to what the tests require.
+    """
+    (cells,) = (group for group in groups.chosen_groups(None) if group.key == groups.CELLS)
+    other = cells.model_copy(update={"keys": ["materials.side_film"]})
+    column = np.random.default_rng(3).normal(size=(300, 1))
+    fit = linear(-5.0 * column[:, 0], np.ones((300, 1)))
+    weighed = [covariance._weigh(fit, group, column) for group in (cells, other)]
+    assert [item.sigmas for item in weighed] == pytest.approx([5.0, 5.0])
+    share = 1.0 - (4.0 / 5.0) ** 2
+    assert [item.explained for item in weighed] == pytest.approx([share, 1.0])
+    assert covariance.Evidence(cells, 5.0, 0.1, 0.15).conceivable
+    assert not covariance.Evidence(cells, 5.0, 0.1, 0.05).conceivable
+    assert not covariance.Evidence(cells, -5.0, 0.1, 0.15).conceivable
+
+
 def test_errors_that_cancel_make_no_interval_smaller() -> None:
     """Of two groups with opposite errors, only one with few degrees of freedom is widened."""
     two = [groups.chosen_groups(None)[0].model_copy(update={"freedom": n}) for n in (3, 10**6)]
