@@ -11,6 +11,8 @@ import thermobearing as tb
 from thermobearing.identify.certificate import build_certificate
 from thermobearing.identify.report import build_pieces
 from thermobearing.identify.uncertainty.posterior import forecast
+from thermobearing.report.pieces import marked_note
+from thermobearing.report.template import TableBlock, _identity
 from thermobearing.results.saved import SavedResult
 
 SPECIMEN = "shen-hdr-specimen"
@@ -124,3 +126,13 @@ def test_what_an_assumed_value_moves(saved: SavedResult) -> None:
     items = {item["keys"][0]: item for item in saved.summary["assumed"]}
     assert items["force"]["moves"] == "K_r"
     assert abs(items["force"]["moves_by"]) == pytest.approx(0.003, rel=0.1)
+
+
+def test_tables_of_a_report_have_no_marks_of_markdown(saved: SavedResult) -> None:
+    report = build_pieces(saved)
+    assert "`lambda`" in report.tables["posterior"].note  # as on the console
+    assert "`" not in marked_note(report.tables["posterior"])
+    (identity,) = _identity(report)
+    assert isinstance(identity, TableBlock)
+    assert not any("`" in row[0] for row in identity.table.rows)
+    assert any("`" in label for label in report.identity)

@@ -313,10 +313,15 @@ def _undetermined_table(summary: Row) -> Table:
     for item in summary["assumed"]:
         moved = ""
         if item.get("moves"):
-            moved = f"{item['moves']} by {percent(item['moves_by'], 1)}"
+            moved = f"{item['moves']} by {number(100.0 * item['moves_by'], '+.1f')} %"
         rows.append((item["name"], _spread(item), moved, item["source"]))
     frame = pd.DataFrame(rows, columns=["what", "uncertainty", "moves_most", "reason_or_source"])
-    return make_table(frame, caption="Parameters that the tests do not determine")
+    note = (
+        "Moves most: the parameter whose estimate one standard uncertainty changes most, relative "
+        "to its value. Intervals of parameters contain these errors."
+    )
+    caption = "Parameters that the tests do not determine"
+    return make_table(frame, caption=caption, note=note if summary["assumed"] else "")
 
 
 def build_pieces(saved: SavedResult) -> Pieces:

@@ -208,7 +208,9 @@ def _actions(pieces: Pieces) -> list[Block]:
 
 
 def _identity(pieces: Pieces) -> list[Block]:
-    columns, rows = [Quantity("What"), Quantity("Value")], list(pieces.identity.items())
+    columns = [Quantity("What"), Quantity("Value")]
+    # Cells are no Markdown, in which a certificate states the same.
+    rows = [(label.replace("`", ""), value) for label, value in pieces.identity.items()]
     table = Table("How to reproduce this result", columns, rows)
     return [TableBlock("identity", table)] if rows else []
 
