@@ -88,6 +88,11 @@ def test_only_a_record_without_any_change_is_used_as_recorded(smooth: TestRecord
     for key, value in (("rests", 1), ("dead_band_mm", 0.2)):
         changed = {**treated, "treatment": treatment | {key: value}}
         assert describe_treatments([changed]) == [f"a: {REST_AND_JITTER}."]
+    clipped = {**treated, "treatment": treatment | {"clipped_samples": 12}}
+    weighted = {**treated, "conditions": {"weight": 1.0, "first_cycle_weight": 0.0}}
+    for changed, words in ((clipped, "12 clipped"), (weighted, "weight of first cycles 0")):
+        (sentence,) = describe_treatments([changed])
+        assert sentence.startswith(f"a: {words}")
 
 
 def test_a_chamber_is_at_its_beginning_for_the_bearing_and_at_its_mean_for_the_air(

@@ -458,18 +458,18 @@ def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
             for loop in fit.loops
         ],
         "conditions": record_conditions(record, fit.rubber),
-        "treatment": check.treatment.summary() | _offsets(check) if check.treatment else None,
+        "treatment": check.treatment.summary() | _left(check) if check.treatment else None,
     }
 
 
-def _offsets(check: CheckReport) -> dict[str, dict[str, float]]:
-    """Return the offsets that a check warns of and that remain in the record, for summary.json."""
+def _left(check: CheckReport) -> dict[str, Any]:
+    """Return offsets of which a check warns and that remain, and samples left out as clipped."""
     offsets = {
         f"{offset.name}_{UNITS[offset.name]}": offset.size
         for offset in check.offsets
         if offset.warned
     }
-    return {"offsets": offsets}
+    return {"offsets": offsets, "clipped_samples": int(check.clipped.sum())}
 
 
 def _bearing_table(identification: "Identification") -> dict[str, Any]:

@@ -23,6 +23,11 @@ from thermobearing.results.ranges import names_by_sentence
 
 Row = Mapping[Any, Any]
 REST_AND_JITTER = "used as recorded, rests and jitter of the displacement apart"
+WEIGHTED = {  # words for the weights of a record, and the usual ones
+    "weight": ("weight", 1.0),
+    "first_cycle_weight": ("weight of first cycles", 1.0),
+    "cycle_balance": ("balance of cycles", 0.0),
+}
 OF_ALL_RECORDS = (
     "Rests are held at their mean displacement, jitter of the displacement within "
     f"{DEAD:g} times its noise is no motion, and the zero of the force is fitted; no signal was "
@@ -80,7 +85,11 @@ def describe_treatments(records: Sequence[Row]) -> list[str]:
     Records with the same treatment share a sentence.
     """
     treated = ((str(record["name"]), record.get("treatment") or {}) for record in records)
-    sentences = ((name, _treatment_words(treatment)) for name, treatment in treated)
+    weights = [_weights(record.get("conditions") or {}) for record in records]
+    sentences = (
+        (name, _treatment_words(treatment, weighted))
+        for (name, treatment), weighted in zip(treated, weights, strict=True)
+    )
     return [f"{names}: {steps}." for names, steps in names_by_sentence(sentences)]
 
 
@@ -109,9 +118,18 @@ def _added_turns(treatment: Row) -> list[str]:
     ]
 
 
-def _treatment_words(treatment: Row) -> str:
-    """Return the steps of the treatment of a record, or that there were none."""
-    if steps := _treatment_steps(treatment):
+def _weights(conditions: Row) -> list[str]:
+    """Return the weights of a record that are not the usual ones, in words."""
+    return [
+        f"{words} {number(conditions[name], '.3g')}"
+        for name, (words, usual) in WEIGHTED.items()
+        if conditions.get(name, usual) != usual
+    ]
+
+
+def _treatment_words(treatment: Row, weights: Sequence[str]) -> str:
+    """Return the steps of the treatment of a record and its weights, or that there were none."""
+    if steps := [*_treatment_steps(treatment), *weights]:
         return joined(steps)
     changed = treatment.get("rests") or treatment.get("dead_band_mm")
     return REST_AND_JITTER if changed else "used as recorded"
@@ -131,6 +149,8 @@ def _treatment_steps(treatment: Row) -> list[str]:
     for key, offset in treatment.get("offsets", {}).items():
         name, _, unit = key.rpartition("_")
         steps.append(f"an offset of the {name} of {number(offset, '.2g')} {unit} not removed")
+    if count := treatment.get("clipped_samples"):
+        steps.append(f"{counted(count, 'clipped sample')} of the force left out")
     return [*steps, *_added_turns(treatment)]
 
 
