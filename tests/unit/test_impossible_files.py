@@ -133,7 +133,7 @@ def test_the_file_without_a_mistake_is_believed(good: pd.DataFrame, tmp_path: Pa
     *warnings, (note,) = judged(written(good, tmp_path))
     assert warnings == [[], []]
     assert note.startswith("closing cycles")
-    assert note.endswith(": 4 and 8")
+    assert ": 4 and 8;" in note
 
 
 @pytest.mark.parametrize("bearing", ["shen-hdr-specimen", "shen-lhdr-specimen", "lrb-example"])
