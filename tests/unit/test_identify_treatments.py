@@ -11,6 +11,7 @@ from thermobearing.cyclic.tables import measured_table
 from thermobearing.identify.comparison import LIMITS, limit_source
 from thermobearing.identify.fit.forward import ForwardModel
 from thermobearing.identify.misfit import FORCE, describe_differences
+from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.measured import _draw_loops, measure_cycles
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import treat
@@ -116,6 +117,9 @@ def test_a_chamber_is_at_its_beginning_for_the_bearing_and_at_its_mean_for_the_a
     model = ForwardModel(record, bearing)
     assert np.unique(model._initial).tolist() == [record.ambient]
     assert model._ambient.at(0.0) == pytest.approx(mean, abs=0.006)
+    (stated,) = (f.sentence for f in check_test(record).findings if f.check == "ambient")
+    assert f"{record.ambient:.4g} degC when the test begins" in stated
+    assert f"{record.ambient + record.air_offset:.4g} degC on average" in stated
     # A prediction is at one temperature.
     assert ForwardModel(record, bearing, ambient=-30.0)._ambient.at(0.0) == -30.0
 

@@ -200,6 +200,13 @@ def _check_file(record: TestRecord) -> Iterator[Finding]:
         yield refuse("ambient", record.unclear)
     for text in record.assumptions:
         yield warn("assumed", text)
+    if record.air_offset:
+        yield note(
+            "ambient",
+            f"the chamber is at {record.ambient:.4g} degC when the test begins, at which the "
+            f"bearing starts, and at {record.ambient + record.air_offset:.4g} degC on average, the "
+            "temperature of the air around it",
+        )
     if record.ambient_from and not record.unclear:
         message = f"the ambient temperature, {record.ambient:.4g} degC, was read in "
         yield note("ambient", message + record.ambient_from)
