@@ -8,7 +8,8 @@ within the bounds on the scale of the search.
 A sample has a value of every number that is uncertain: of the free parameters, and of all that are
 held at an assumed value. The optimum moves with the assumed values (covariance.py), so both are
 drawn together. Errors are widened by the factors that the intervals contain, and those of a
-parameter in which widened errors cancel are stretched to its interval, which is not narrowed by it.
+parameter in which widened errors cancel are stretched to its interval, which is not narrowed by it
+(draws from the normal distribution only).
 """
 
 import math
