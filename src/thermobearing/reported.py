@@ -24,7 +24,14 @@ from thermobearing.quantities.register import Quantity, format_number
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import joined, number, plain, printed_unit, quantity, tidy
 from thermobearing.report.content import RESIDUAL_LIMIT, RIG, input_table, limit_checks
-from thermobearing.report.pieces import EXCEEDED, NOT_ASSESSED, PASSED, Check, not_entered
+from thermobearing.report.pieces import (
+    EXCEEDED,
+    NOT_ASSESSED,
+    PASSED,
+    TENTATIVE,
+    Check,
+    not_entered,
+)
 from thermobearing.results.base import Result
 
 Inputs = Mapping[str, Any]  # a table of a resolved case
@@ -339,7 +346,12 @@ def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str
     return tables
 
 
-VERDICTS = dict.fromkeys((checks.NO_LIMIT, checks.NO_VALUE), NOT_ASSESSED) | {checks.PASSED: PASSED}
+VERDICTS = {
+    checks.NO_LIMIT: NOT_ASSESSED,
+    checks.NO_VALUE: NOT_ASSESSED,
+    checks.PASSED: PASSED,
+    checks.TOO_FEW: TENTATIVE,
+}
 
 
 def limit_name(row: Mapping[Any, Any]) -> str:

@@ -52,7 +52,7 @@ def as_data(pieces: Pieces) -> dict[str, Any]:
 
 def assert_well_formed(pieces: Pieces) -> None:
     """Rows as long as heads, no text that is not a sentence, no NaN in words."""
-    assert 1 <= len(pieces.answer) <= 6
+    assert 1 <= len(pieces.answer) <= 7
     for sentence in (*pieces.answer, *pieces.validity, *pieces.assumptions, *pieces.warnings):
         assert sentence[-1] in ".!?", sentence
         assert "nan" not in sentence.split(), sentence

@@ -16,6 +16,7 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.checks import Check
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.warned import Warned
+from thermobearing.quantities.words import counted
 
 if TYPE_CHECKING:
     from thermobearing.design.case import LineGroup
@@ -41,13 +42,19 @@ COLLECTED = {  # column of a study: column of temperatures.csv
 
 
 class Rule(Strict):
-    """A rule for the peaks of several motions; `unverified`: its source was not read."""
+    """A rule for the peaks of several motions; `unverified`: its source was not read.
+
+    `least` are the motions of a group that a mean needs; with fewer than `fewest` the rule of the
+    code is not met, whichever peak is taken.
+    """
 
     name: PeakRule
     says: str
     source: str
     unverified: bool
     least: Annotated[int, Field(ge=1)] = 1
+    fewest: Annotated[int, Field(ge=1)]
+    fewest_source: str
     note: str = ""
 
 
@@ -97,11 +104,34 @@ def few_motions(motions: Sequence[Motion], rule: PeakRule) -> list[Warned]:
     counts = {group: groups.count(group) for group in groups}
     small_groups = [f"{group} has {count}" for group, count in counts.items() if count < least]
     needs = f"the largest peaks are used; a mean needs {least} motions or more"
+    if (fewest := peak_rule(rule).fewest) < least and min(counts.values()) < fewest:
+        needs = (
+            f"too few motions for the rule of the code: the largest peaks need {fewest} motions or "
+            f"more, a mean {least}"
+        )
     sentence = f"{needs} of a group, and {', '.join(small_groups)}"
     # Without groups of the case, motions that are too few together need no word on groups.
     if not any(motion.group for motion in motions) and len(motions) < least:
         sentence = f"{needs}, and there {'is' if len(motions) == 1 else 'are'} {len(motions)}"
     return [Warned(sentence, "few_motions")] if small_groups else []
+
+
+def too_few_motions(motions: Sequence[Motion], rule: PeakRule) -> str:
+    """Return that some motions are too few for any peak by a rule, with both numbers; else empty.
+
+    >>> too_few_motions([Motion(name="a.csv"), Motion(name="b.csv")], "mean of seven")
+    'with 2 motions: not sufficient for the rule of the code, which needs 3 or more'
+    """
+    fewest = peak_rule(rule).fewest
+    groups = [mean_group(motion) for motion in motions]
+    smallest = min(map(groups.count, groups), default=0)
+    if smallest >= fewest:
+        return ""
+    of_group = " of a group" if len(set(groups)) > 1 else ""
+    return (
+        f"with {counted(smallest, 'motion')}{of_group}: not sufficient for the rule of the code, "
+        f"which needs {fewest} or more"
+    )
 
 
 def peaks_by_part(

@@ -19,13 +19,21 @@ from thermobearing.border.library import read_data
 from thermobearing.border.schema import Strict, overridden, validated
 from thermobearing.border.units import NEWTON_PER_KILONEWTON
 from thermobearing.core.records import Floats
-from thermobearing.design.peaks import PeakRule, few_motions, mean_group, peaks_by_part
+from thermobearing.design.peaks import (
+    PeakRule,
+    few_motions,
+    mean_group,
+    peaks_by_part,
+    too_few_motions,
+)
 from thermobearing.earthquake.case import EarthquakeCase
 from thermobearing.earthquake.measures import DIRECTION, DIRECTIONS
 from thermobearing.earthquake.motions import Motion
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.axial import critical_load, find_section, overlap_area
 from thermobearing.model.checks import (
+    PASSED,
+    TOO_FEW,
     Check,
     check_rows,
     checked_modulus,
@@ -76,6 +84,13 @@ class _CodeCheck(Strict):
     rotation_factor: float = 1.0
     reserve: float = 1.0
     zones: tuple[int, ...] = ZONES
+
+    @property
+    def of_motions(self) -> bool:
+        """Whether its demand or its limit counts on the displacement in the motions."""
+        if self.measure == "buckling":
+            return self.displacement_factor > 0.0
+        return self.measure in ("shear_strain", "total_strain", "overlap_stress")
 
 
 class _Code(Strict):
@@ -272,9 +287,8 @@ def _displacements(
     of_all_motions = peaks_by_part(data, name, motions, rule, runs)
     by_level: dict[int | None, Any] = {None: of_all_motions}
     for level in (1, 2):
-        is_level_1 = [mean_group(motion).startswith(LEVEL_1) for motion in motions]
-        places = [k for k, of_level_1 in enumerate(is_level_1) if of_level_1 == (level == 1)]
-        chosen = [motions[k] for k in places]
+        chosen = _of_level(motions, level)
+        places = [k for k, motion in enumerate(motions) if motion in chosen]
         by_level[level] = np.full_like(of_all_motions, np.nan)
         if places:
             by_level[level] = peaks_by_part(data, name, chosen, rule, runs[places])
@@ -328,8 +342,8 @@ def check_bearings(
     >>> import thermobearing as tb
     >>> found = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23, duration=5, axial_force=800)
     >>> rows = tb.check_bearings(found, ["aashto"]).bearing_checks
-    >>> rows["verdict"].tolist()[-5:]
-    ['limit not available', 'OK', 'OK', 'OK', 'limit not available']
+    >>> rows["verdict"].tolist()[-4:-1]
+    ['OK, with too few motions', 'OK', 'OK, with too few motions']
     """
     if isinstance(limits, str | Path):
         limits = load_limits(limits)
@@ -422,8 +436,33 @@ def _rows(result: EarthquakeResult, case: EarthquakeCase, code: _Code) -> list[R
             )
             checks = _checks(code, demand, line if len(names) > 1 else "", case)
             where = ", ".join([f"{float(ambient):g} degC", *qualifiers])
-            rows += check_rows(where, device.name, checks, code.title)
+            line_rows = check_rows(where, device.name, checks, code.title)
+            rows += [_qualified(row, code, group_motions) for row in line_rows]
     return rows
+
+
+def _qualified(row: Row, code: _Code, motions: Sequence[Motion]) -> Row:
+    """Return a row whose verdict and source say where motions are too few for the rule of a code.
+
+    Rows without the displacement of the motions are as they were.
+    """
+    check = next(check for check in code.checks if check.what == row["what"])
+    if not check.of_motions:
+        return row
+    reason = too_few_motions(_of_level(motions, check.level), code.peaks)
+    if not reason or math.isnan(row["value"]):
+        return row
+    verdict = TOO_FEW if row["verdict"] == PASSED else row["verdict"]
+    return {**row, "source": f"{row['source']}; {reason}", "verdict": verdict}
+
+
+def _of_level(motions: Sequence[Motion], level: int | None) -> list[Motion]:
+    """Return the motions of a level; all without one."""
+    return [
+        motion
+        for motion in motions
+        if level is None or mean_group(motion).startswith(LEVEL_1) == (level == 1)
+    ]
 
 
 FILE = """# Limits of checks of bearings, as this office has read them in the printed codes.

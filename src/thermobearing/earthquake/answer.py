@@ -1,7 +1,7 @@
 """Main results of an analysis of earthquakes in sentences, as a report begins."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from thermobearing.earthquake.analysis import (
 )
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
+from thermobearing.earthquake.properties.lines import few_motions_note, motions_for_mean
 from thermobearing.earthquake.properties.notes import bearing_sources, temperature_note
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
@@ -60,13 +61,21 @@ def main_results(result: EarthquakeResult, bound: OtherBound | str | None = None
         return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
     cold = _cold(result)
     note = _temperature_note(result)
-    answer = [*_early_end_sentences(result), cold, note, _yielding(result), _governing(result)]
+    few = few_motions(result, few_motions_note)
+    answer = [*_early_end_sentences(result), few, cold, note, _yielding(result), _governing(result)]
     if not cold:
         answer.append(_heating(result))
     if bound is not None:
         answer.append(bound if isinstance(bound, str) else _other_bound(result, bound))
     answer.append(strength_note(tomllib.loads(str(result.dataset.attrs["case"]))))
     return [sentence for sentence in answer if sentence]
+
+
+def few_motions(result: EarthquakeResult, words: Callable[[int], str]) -> str:
+    """Return the words on the number of motions of a bridge; empty of a hybrid test."""
+    if result.dataset.attrs["command"] != "bridge" or not result.runs:
+        return ""
+    return words(int(result.table["motion"].nunique()))
 
 
 def find_other_bound(result: EarthquakeResult) -> OtherBound | str | None:
@@ -321,7 +330,7 @@ def _cold_by_kind(group: "pd.DataFrame", several: bool) -> str:
     ]
     # All kinds of a run have the same piers.
     runs = group.drop_duplicates(key_columns(group))
-    clauses += _cold_changes(runs[[pier]], several)
+    clauses += _cold_changes(runs[["motion", pier]], several)
     return "; ".join(clauses)
 
 
@@ -339,10 +348,23 @@ def _cold_changes(group: "pd.DataFrame", several: bool) -> list[str]:
         values = group[column].dropna()
         if not len(values):
             continue
-        size = change(float(values.mean()), "larger", "smaller").replace("as much", "as large")
         verb = "" if clauses else " is"  # one verb for all clauses
-        clauses.append(f"the {mean}{peak_name}{verb} {size}")
+        size = _size(float(values.mean()))
+        clauses.append(f"the {mean}{peak_name}{verb} {size}{_range_of_motions(group, column)}")
     return clauses
+
+
+def _size(ratio: float) -> str:
+    return change(ratio, "larger", "smaller").replace("as much", "as large")
+
+
+def _range_of_motions(group: "pd.DataFrame", column: str) -> str:
+    """Return the smallest and largest change of the motions; empty where a mean of them counts."""
+    by_motion = group.groupby("motion", sort=False)[column].mean().dropna()
+    if not 1 < len(by_motion) < motions_for_mean():
+        return ""
+    low, high = (_size(float(ratio)) for ratio in (by_motion.min(), by_motion.max()))
+    return f" ({low} to {high})" if low != high else ""
 
 
 OTHER_PEAKS = {  # of the other state of the rubber: words, factor, unit and column of the place

@@ -17,6 +17,7 @@ from thermobearing.cyclic.report import rig_table
 from thermobearing.earthquake.analysis import OtherBound
 from thermobearing.earthquake.answer import (
     Shown,
+    few_motions,
     find_other_bound,
     governing_lines,
     governing_pier,
@@ -33,8 +34,15 @@ from thermobearing.earthquake.panels import (
     part_names,
     select_part,
 )
+from thermobearing.earthquake.properties.lines import more_motions_action
 from thermobearing.earthquake.properties.notes import (
     temperature_note,
+)
+from thermobearing.earthquake.properties.peaks import (
+    Settled,
+    settle_bridge,
+    step_note,
+    step_warning,
 )
 from thermobearing.earthquake.properties.report import property_tables
 from thermobearing.earthquake.result import EarthquakeResult
@@ -293,8 +301,13 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
     bound = find_other_bound(result)
-    other = bound.result if isinstance(bound, OtherBound) else None
-    properties, files = property_tables(result, other) if command == "bridge" else ({}, {})
+    settled: dict[str, Settled] = {}  # by the state of the rubber; "" is that of the analysis
+    if command == "bridge" and result.runs:
+        settled[""] = settle_bridge(result)
+        if isinstance(bound, OtherBound):
+            settled[str(bound.state.rubber)] = settle_bridge(bound.result)
+    properties, files = property_tables(*settled.values()) if settled else ({}, {})
+    shared = content.result_parts(result, str(attrs["case"]), command)
     return content.build_pieces(
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
@@ -314,9 +327,17 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
             else reported.residual_rows(energy, case["analysis"], measured=outside)
         ),
         energy=structure_balance(result) if result.runs else None,
-        assumptions=_assumptions(result, case),
+        assumptions=[
+            *_assumptions(result, case),
+            *filter(None, (step_note(item, rubber) for rubber, item in settled.items())),
+        ],
         range_action=_range_action(result),
-        **content.result_parts(result, str(attrs["case"]), command),
+        first_actions=[text for text in [few_motions(result, more_motions_action)] if text],
+        identity=shared["identity"],
+        warnings=[
+            *shared["warnings"],
+            *filter(None, (step_warning(item, rubber) for rubber, item in settled.items())),
+        ],
     )
 
 

@@ -31,6 +31,7 @@ from thermobearing.quantities.warned import EXCEEDED, UNTESTED, Warned
 PASSED, FAILED = "OK", "NG"
 NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
 NOT_MODELLED = "outside the model"
+TOO_FEW = "OK, with too few motions"
 STEPS, STEP = 200, 0.005  # of the loading to 100 % shear strain: number and length [s]
 
 

@@ -34,6 +34,7 @@ from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_ASSESSED,
     PASSED,
+    TENTATIVE,
     Check,
     Pieces,
     Plot,
@@ -272,16 +273,19 @@ def summarize_checks(checks: Sequence[Check]) -> str:
     limits, without = len({check.limited or check.what for check in lacking}), len(lacking)
     verb = "is" if limits == 1 else "are"
     missing = sum(check.verdict == NOT_ASSESSED for check in engineering) - without
+    tentative = sum(check.verdict == TENTATIVE for check in engineering)
     parts = [
         f"{counted(exceeded, 'check')} exceed{'s its' if exceeded == 1 else ' their'} limit",
         f"{_quantities(outside)} {'is' if outside == 1 else 'are'} {OUTSIDE}{in_runs}",
         f"{counted(limits, 'limit')} {verb} not entered ({counted(without, 'check')})",
         f"{counted(missing, 'check')} {'lacks' if missing == 1 else 'lack'} an input",
+        f"{counted(tentative, 'check')} of codes {'has' if tentative == 1 else 'have'} too few "
+        "motions for the rule of the code",
     ]
-    counts = exceeded, outside, without, missing
+    counts = exceeded, outside, without, missing, tentative
     clauses = [text for text, count in zip(parts, counts, strict=True) if count]
     # The table of limits has no row of the calibration range, which a clause of its own is about.
-    satisfied = len(engineering) - exceeded - without - missing
+    satisfied = len(engineering) - exceeded - without - missing - tentative
     if not clauses:
         return f"No limit is exceeded ({counted(satisfied, 'check')})."
     if satisfied:

@@ -16,9 +16,15 @@ if TYPE_CHECKING:
 
     from thermobearing.core.records import Floats
 
-# Verdicts of a check, and their signs; the third where there is no limit, or no value.
+# Verdicts of a check, and their signs; "not assessed" where there is no limit, or no value.
 PASSED, EXCEEDED, NOT_ASSESSED = "within", "exceeded", "not assessed"
-VERDICTS = {PASSED: "\N{CHECK MARK}", EXCEEDED: "\N{MULTIPLICATION X}", NOT_ASSESSED: "\N{EN DASH}"}
+TENTATIVE = "within so far"  # with fewer motions than the rule of the code needs
+VERDICTS = {
+    PASSED: "\N{CHECK MARK}",
+    EXCEEDED: "\N{MULTIPLICATION X}",
+    NOT_ASSESSED: "\N{EN DASH}",
+    TENTATIVE: "\N{EN DASH}",
+}
 
 
 MARK = "\N{DAGGER}"  # of a marked cell; a star stands for what was not checked
@@ -284,6 +290,7 @@ class Pieces:
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
     warning. `energy` is the energy balance; `identity` has version, input hash and command;
     `range_action` is what to do about results outside the calibration range, in place of the usual;
+    `first_actions` are what to do before all that checks ask for;
     `live` computes the result again in an HTML page; `signatures` are the roles of those who sign,
     and `one_page` whether the document is to fit on one; `files` stand next to the document, by
     name.
@@ -309,6 +316,7 @@ class Pieces:
     one_page: bool = False
     files: Mapping[str, bytes] = field(default_factory=dict)
     range_action: str = ""
+    first_actions: Sequence[str] = ()
 
 
 # Blocks of a document, in reading order. Text is Markdown of the template's own sentences:

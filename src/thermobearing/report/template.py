@@ -26,6 +26,7 @@ from thermobearing.report.pieces import (
     EXCEEDED,
     NOT_ASSESSED,
     PASSED,
+    TENTATIVE,
     Block,
     Bullets,
     Check,
@@ -61,7 +62,7 @@ ACTIONS = {  # what to do about a check, by its verdict and the beginning of the
     "limits (`thermobearing limits new`).",
 }
 AUTHOR = "Author"  # of the title block
-SEVERITY = (EXCEEDED, NOT_ASSESSED, PASSED)
+SEVERITY = (EXCEEDED, TENTATIVE, NOT_ASSESSED, PASSED)
 
 
 def document(
@@ -202,9 +203,10 @@ def _actions(pieces: Pieces) -> list[Block]:
     actions = dict.fromkeys(
         next(text for start, text in texts.items() if f"{c.verdict} {c.source}".startswith(start))
         for c in sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
-        if c.verdict != PASSED
+        if c.verdict not in (PASSED, TENTATIVE)  # more motions are a first action
     )
-    return [Paragraph("**Recommended actions**"), Bullets(list(actions))] if actions else []
+    items = [*pieces.first_actions, *actions]
+    return [Paragraph("**Recommended actions**"), Bullets(items)] if items else []
 
 
 def _identity(pieces: Pieces) -> list[Block]:

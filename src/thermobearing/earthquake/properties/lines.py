@@ -48,6 +48,7 @@ from thermobearing.model.earlier import BilinearParameters
 from thermobearing.model.element import initial_stiffness
 from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
+from thermobearing.quantities.words import counted
 from thermobearing.results.metrics import THIRD_CYCLE, CycleMeasures
 
 if TYPE_CHECKING:
@@ -58,10 +59,42 @@ STILL = 1e-6  # strain of a line that does not move, whose stiffness is not aske
 MEAN_RULE = "mean of seven"
 
 
+def _mean_rule() -> dict[str, Any]:
+    rules = read_toml(data_path("design", "peaks.toml"))["rules"]
+    return next(dict(rule) for rule in rules if rule["name"] == MEAN_RULE)
+
+
 def motions_for_mean() -> int:
     """Return from how many motions on the mean of their peaks counts (data/design/peaks.toml)."""
-    rules = read_toml(data_path("design", "peaks.toml"))["rules"]
-    return int(next(rule["least"] for rule in rules if rule["name"] == MEAN_RULE))
+    return int(_mean_rule()["least"])
+
+
+def few_motions_note(count: int) -> str:
+    """Return that motions are too few for the largest of their peaks too, as a sentence.
+
+    Empty from as many on as the rule needs (data/design/peaks.toml).
+    """
+    rule = _mean_rule()
+    if count >= rule["fewest"]:
+        return ""
+    return (
+        f"{counted(count, 'ground motion')} {'is' if count == 1 else 'are'} too few for a design: "
+        f"codes take the largest peak of {rule['fewest']} motions or more, or the mean of "
+        f"{rule['least']} or more ({rule['fewest_source']}); peaks and verdicts of this report are "
+        f"those of {counted(count, 'motion')} only."
+    )
+
+
+def more_motions_action(count: int) -> str:
+    """Return what to do about too few motions; empty where they are enough."""
+    rule = _mean_rule()
+    if count >= rule["fewest"]:
+        return ""
+    return (
+        f"Add ground motions and repeat the analysis with {rule['fewest']} or more for the largest "
+        f"peaks, {rule['least']} or more for means: until then no check that counts on a "
+        "displacement or force of the motions is decided."
+    )
 
 
 def design_peak(peaks: Floats) -> float:

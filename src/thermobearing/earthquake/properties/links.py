@@ -30,8 +30,8 @@ from thermobearing.earthquake.properties.notes import (
     secant_note,
     with_bounds,
 )
+from thermobearing.earthquake.properties.peaks import PEAKS, TOLERANCE, milliseconds
 from thermobearing.earthquake.properties.trials import (
-    PEAKS,
     Trials,
     shortfall_note,
     trial_columns,
@@ -136,11 +136,37 @@ def trials_note(trials: Trials) -> str:
     if not trials.runs:
         return f"The bridge was not run with these links: {reasons}." if reasons else ""
     missing = f"; not of all links: {reasons}" if reasons else ""
+    runs = counted(trials.runs, "more run")
+    if trials.coupled_runs:
+        runs += f" with links and {trials.coupled_runs} of the coupled analysis"
     return (
         "Peaks with links are those of the same bridge and motions with the links of all lines in "
-        "place of the bearings, next to those of the coupled analysis "
-        f"({counted(trials.runs, 'more run')} of the analysis{missing})."
+        f"place of the bearings, next to those of the coupled analysis ({runs}{missing}). "
+        f"{_steps_note(trials.rows)}"
     )
+
+
+def _steps_note(rows: "pd.DataFrame") -> str:
+    """Return the steps at which trials settled, and which did not, in sentences."""
+    steps = []
+    for name in ("links", "coupled"):
+        of_name = sorted(set(rows[f"{name}_step_s"]))
+        ends = dict.fromkeys([milliseconds(of_name[0]), milliseconds(of_name[-1])])
+        words = "with links" if name == "links" else "coupled"
+        change = f"{100.0 * rows[f'{name}_change'].max():.1f} % at most"
+        steps.append(f"{words} to {' to '.join(ends)}, where the last two moved a peak by {change}")
+    text = (
+        "Both were repeated at half the time step until two halvings moved no peak by more than "
+        f"{100.0 * TOLERANCE:g} % ({'; '.join(steps)})."
+    )
+    moving = rows[~(rows[["links_change", "coupled_change"]] <= TOLERANCE).all(axis=1)]
+    names = dict.fromkeys(
+        f"{row['rubber']} rubber at {row['ambient_degC']:g} degC".strip()
+        for row in moving.drop_duplicates(["state", "ambient_degC"]).to_dict("records")
+    )
+    if names:
+        text += f" These did not settle, and their ratios are as uncertain: {joined(names)}."
+    return text
 
 
 def _trial_rows(
@@ -167,6 +193,8 @@ def _trial_rows(
             text.append(
                 _link_row(f"{largest} {peak_name.replace('_', ' ')}", with_links / scale, other)
             )
+    coupled_step = f"s (coupled {peaks['coupled_step_s']:.4g})"
+    text.append(_link_row("time step of these peaks", peaks["links_step_s"], coupled_step))
     note = shortfall_note(rows[chosen])
     return text + textwrap.wrap(note, LINK_WIDTH, initial_indent="  ", subsequent_indent="  ")
 

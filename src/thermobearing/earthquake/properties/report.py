@@ -32,15 +32,14 @@ from thermobearing.earthquake.properties.notes import (
     place_names,
     with_bounds,
 )
+from thermobearing.earthquake.properties.peaks import PEAKS, Settled
 from thermobearing.earthquake.properties.trials import (
-    PEAKS,
     Trials,
     shortfall_note,
     trial_columns,
     try_links,
 )
 from thermobearing.earthquake.properties.written import with_own_bearing
-from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.words import (
@@ -64,24 +63,25 @@ RESERVATIONS: Final = (  # begin of a sentence, and what describes a row in it
 
 
 def property_tables(
-    result: EarthquakeResult, other: EarthquakeResult | None = None
+    settled: Settled, other: Settled | None = None
 ) -> tuple[dict[str, Table], dict[str, bytes]]:
     """Return the equivalent properties of lines and bridge as tables, and as files.
 
-    `other` are runs with rubber in the other state (`run_other_bound`), whose properties at the
-    coldest temperature (of scragged rubber the warmest) are given too.
+    `settled` is the analysis, `other` are runs with rubber in the other state (`run_other_bound`),
+    whose properties at the coldest temperature (of scragged rubber the warmest) are given too.
     """
+    result = settled.first
     analysed = line_properties(result)
     if not len(analysed):
         return {}, {}
-    results = {str(analysed["state"].iloc[0]): result}
+    analyses = {str(analysed["state"].iloc[0]): settled}
     parts = [(analysed, bridge_properties(result, analysed))]
-    if other is not None and len(of_other := _outermost(line_properties(other), analysed)):
-        results[str(of_other["state"].iloc[0])] = other
-        parts.append((of_other, bridge_properties(other, of_other)))
+    if other is not None and len(of_other := _outermost(line_properties(other.first), analysed)):
+        analyses[str(of_other["state"].iloc[0])] = other
+        parts.append((of_other, bridge_properties(other.first, of_other)))
     lines = with_bounds(pd.concat([part[0] for part in parts], ignore_index=True))
     bridges = pd.concat([part[1] for part in parts], ignore_index=True)
-    trials = try_links(results, lines)
+    trials = try_links(analyses, lines)
     written = lines.drop(
         columns=["kind", "excess", "law", "cold_lead", "secant_kN_mm", "secant_of", "state"]
     )

@@ -2,12 +2,13 @@
 
 A link has stiffness and damping of one cycle at one displacement, at one temperature. How far an
 analysis with links is from the coupled one depends on the bridge and its motions, so that it is
-computed for each set of links that `links.txt` states.
+computed for each set of links that `links.txt` states. Both are repeated at half the step until
+their peaks settle (properties/peaks.py).
 """
 
 import tomllib
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,30 +21,24 @@ from thermobearing.earthquake.case import (
     list_bearing_tables,
     make_earthquake_case,
 )
-from thermobearing.earthquake.properties.lines import (
-    design_peak,
-    load_device,
-    moved_lines,
-)
+from thermobearing.earthquake.properties.lines import design_peak, load_device
 from thermobearing.earthquake.properties.notes import is_lower
+from thermobearing.earthquake.properties.peaks import (
+    PEAKS,
+    Settled,
+    design_peaks,
+    line_peaks,
+    settle_case,
+)
+from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.governing import place_of_least
 from thermobearing.quantities.words import joined
 from thermobearing.quantities.words import number as number_text
 
-if TYPE_CHECKING:
-    from thermobearing.earthquake.result import EarthquakeResult
-
 SHORTFALL = 0.05  # of a peak, from which on links are said to be unsafe
 RIGID = 1e7  # kN, largest strength of a bilinear bearing: a line that does not move stays elastic
-MOMENT: Final = "pier_moment_max_kN_m"
-# Column of the lines or runs, and name and unit in the tables of trials.
-PEAKS: Final = {
-    "displacement_max_mm": ("displacement", "mm"),
-    "force_max_kN": ("force", "kN"),
-    MOMENT: ("pier_moment", "kN_m"),
-}
 AXIAL = "links have no axial force that acts on the shear force"
 BILINEAR_MODEL = "the analysis is of bilinear bearings itself"
 IN_PLAN = "the structure moves in two directions"
@@ -54,8 +49,9 @@ class Trials(NamedTuple):
     """Peaks with links and of the coupled analysis, and what was run for them."""
 
     rows: "pd.DataFrame"
-    runs: int
+    runs: int  # with links
     reasons: list[str]  # why sets of links, or all of them, were not run
+    coupled_runs: int = 0  # at smaller steps
 
 
 def trial_columns(peak_name: str, unit: str) -> tuple[str, str, str]:
@@ -63,12 +59,12 @@ def trial_columns(peak_name: str, unit: str) -> tuple[str, str, str]:
     return f"{peak_name}_links_{unit}", f"{peak_name}_coupled_{unit}", f"{peak_name}_ratio"
 
 
-def try_links(results: Mapping[str, "EarthquakeResult"], lines: "pd.DataFrame") -> Trials:
+def try_links(analyses: Mapping[str, Settled], lines: "pd.DataFrame") -> Trials:
     """Run a bridge with the links of its lines in place of its bearings.
 
     Parameters
     ----------
-    results : coupled analyses of the bridge by `state` of their rubber.
+    analyses : coupled analyses of the bridge by `state` of their rubber.
     lines : the properties of `line_properties` of these analyses.
 
     Returns
@@ -76,34 +72,45 @@ def try_links(results: Mapping[str, "EarthquakeResult"], lines: "pd.DataFrame") 
     Trials
         A row for each bearing of the analysis, line, state of the rubber and ambient temperature,
         and another (`lead` is "heated") with the lead of the lower values at its highest
-        temperature: largest displacement [mm], force of one bearing [kN] and pier moment [kN m],
-        the mean over motions where there are as many as a design displacement needs for it.
-        `..._ratio` is that with links over that of the coupled analysis.
+        temperature: largest displacement [mm], force of one bearing [kN] and moment of its pier
+        [kN m], the mean over motions where there are as many as a design displacement needs for it.
+        `..._ratio` is that with links over that of the coupled analysis. Both are at the smallest
+        step at which they were repeated (`links_step_s`, `coupled_step_s`); `links_change` and
+        `coupled_change` are by how much the last halving moved a peak of the analysis at most.
     """
     frames, reasons, runs = [], [], 0
     for state, group in lines.groupby("state", sort=False):
-        coupled = results[str(state)]
-        table = tomllib.loads(str(coupled.dataset.attrs["case"]))
-        if (reason := IN_PLAN if coupled.directions else _refusal(table)) is not None:
+        coupled = analyses[str(state)]
+        table = tomllib.loads(str(coupled.first.dataset.attrs["case"]))
+        if (reason := IN_PLAN if coupled.first.directions else _refusal(table)) is not None:
             reasons.append(reason)
             continue
         case = make_earthquake_case(table, "result")
         devices = {str(item["name"]): load_device(item) for item in list_bearing_tables(table)}
         thickness = {name: device.total_rubber_thickness for name, device in devices.items()}
-        coupled_peaks = _line_peaks(coupled)
         # Links of bilinear bearings alone are these bearings.
         layered = group.groupby(["bearing", "ambient_degC"])["rubber"].transform("max") != ""
         for heated, rows in _sets_of_links(group[layered]):
             try:
-                linked_case = _with_links(case, rows, thickness, heated=heated)
-                linked = run_earthquake(linked_case)
+                linked = _settle_links(_with_links(case, rows, thickness, heated=heated), rows)
             except InputError as error:
                 reasons.append(error.problems[0])
                 continue
-            runs += linked.runs
-            frames.append(_compared(coupled_peaks, _line_peaks(linked), rows, heated=heated))
+            runs += linked.first.runs + linked.runs
+            frames.append(_compared(coupled, linked, rows, heated=heated))
     compared = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
-    return Trials(compared, runs, list(dict.fromkeys(reasons)))
+    coupled_runs = sum(analysis.runs for analysis in analyses.values()) if frames else 0
+    return Trials(compared, runs, list(dict.fromkeys(reasons)), coupled_runs)
+
+
+def _settle_links(case: EarthquakeCase, rows: "pd.DataFrame") -> Settled:
+    """Return the analysis with the links of some lines at the step at which their peaks settle."""
+
+    def _peaks_of_links(result: EarthquakeResult) -> "pd.DataFrame":
+        peaks = design_peaks(result)
+        return peaks[peaks.index.get_level_values("line").isin(rows["line"])]
+
+    return settle_case(case, run_earthquake(case), _peaks_of_links)
 
 
 def shortfall_note(rows: "pd.DataFrame") -> str:
@@ -212,9 +219,16 @@ def _link(
 
 
 def _compared(
-    moved: "pd.DataFrame", moved_with_links: "pd.DataFrame", rows: "pd.DataFrame", *, heated: bool
+    coupled: Settled, linked: Settled, rows: "pd.DataFrame", *, heated: bool
 ) -> "pd.DataFrame":
-    """Return the design peaks of a set of links, of the lines `moved` in each analysis."""
+    """Return the design peaks of a set of links, and those of the coupled analysis."""
+    moved, moved_with_links = line_peaks(coupled.result), line_peaks(linked.result)
+    steps = {
+        "links_step_s": linked.step,
+        "links_change": linked.change,
+        "coupled_step_s": coupled.step,
+        "coupled_change": coupled.change,
+    }
     compared = []
     for row in rows.to_dict("records"):
         keys = ["bearing", "line", "line_bearing", "state", "rubber", "ambient_degC", "bound"]
@@ -233,14 +247,5 @@ def _compared(
             ]
             ratio = values[0] / values[1] if values[1] else np.nan
             peaks |= dict(zip(trial_columns(*name), (*values, ratio), strict=True))
-        compared.append(peaks)
+        compared.append(peaks | steps)
     return pd.DataFrame(compared)
-
-
-def _line_peaks(result: "EarthquakeResult") -> "pd.DataFrame":
-    """Return the peaks of the lines of completed runs, with the moment of the pier of each run."""
-    table = tomllib.loads(str(result.dataset.attrs["case"]))
-    devices = {str(item["name"]): load_device(item) for item in list_bearing_tables(table)}
-    lines = moved_lines(result, table["structure"], devices)
-    keys = ["bearing", "motion", "ambient_degC"]
-    return lines.merge(result.table[[*keys, MOMENT]], on=keys)
