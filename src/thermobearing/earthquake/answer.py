@@ -24,6 +24,7 @@ from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.earthquake.measures import cold_ratios, key_columns
 from thermobearing.earthquake.properties.lines import few_motions_note, motions_for_mean
 from thermobearing.earthquake.properties.notes import bearing_sources, temperature_note
+from thermobearing.earthquake.properties.strength import StrengthBand, strength_sentence
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
@@ -52,10 +53,15 @@ NOT_MEASURED = {
 }
 
 
-def main_results(result: EarthquakeResult, bound: OtherBound | str | None = None) -> list[str]:
+def main_results(
+    result: EarthquakeResult,
+    bound: OtherBound | str | None = None,
+    strengths: StrengthBand | None = None,
+) -> list[str]:
     """Return the effect of the cold, whether piers yield, and what governs; an early end first.
 
-    `bound` are the runs with rubber in the other state (`find_other_bound`).
+    `bound` are the runs with rubber in the other state (`find_other_bound`), `strengths` those with
+    other strengths of lead that was never tested.
     """
     if not result.runs:
         return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
@@ -67,7 +73,8 @@ def main_results(result: EarthquakeResult, bound: OtherBound | str | None = None
         answer.append(_heating(result))
     if bound is not None:
         answer.append(bound if isinstance(bound, str) else _other_bound(result, bound))
-    answer.append(strength_note(tomllib.loads(str(result.dataset.attrs["case"]))))
+    unmeasured = strength_note(tomllib.loads(str(result.dataset.attrs["case"])))
+    answer.append(f"{unmeasured} {strength_sentence(strengths)}" if strengths else unmeasured)
     return [sentence for sentence in answer if sentence]
 
 
@@ -364,7 +371,13 @@ def _range_of_motions(group: "pd.DataFrame", column: str) -> str:
     if not 1 < len(by_motion) < motions_for_mean():
         return ""
     low, high = (_size(float(ratio)) for ratio in (by_motion.min(), by_motion.max()))
-    return f" ({low} to {high})" if low != high else ""
+    if low == high:
+        return ""
+    for direction in (" % larger", " % smaller"):
+        if low.endswith(direction) and high.endswith(direction):
+            ends = sorted((text.removesuffix(direction) for text in (low, high)), key=float)
+            return f" ({' to '.join(ends)}{direction})"
+    return f" ({low} to {high})"
 
 
 OTHER_PEAKS = {  # of the other state of the rubber: words, factor, unit and column of the place

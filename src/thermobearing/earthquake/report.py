@@ -35,6 +35,7 @@ from thermobearing.earthquake.panels import (
     select_part,
 )
 from thermobearing.earthquake.properties.lines import more_motions_action
+from thermobearing.earthquake.properties.loads import dead_load_table, direction_note
 from thermobearing.earthquake.properties.notes import (
     temperature_note,
 )
@@ -45,6 +46,11 @@ from thermobearing.earthquake.properties.peaks import (
     step_warning,
 )
 from thermobearing.earthquake.properties.report import property_tables
+from thermobearing.earthquake.properties.strength import (
+    StrengthBand,
+    action_on_untested,
+    run_strength_band,
+)
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.tables import structure_balance
 from thermobearing.model.limits import CODE_KEYS, CodeChecks, Limits
@@ -106,6 +112,8 @@ def _input_tables(result: EarthquakeResult, case: Case) -> dict[str, Table]:
         tables["vertical"] = vertical
     if case.get("lines"):
         tables["lines"] = _lines_table(case)
+    if case["command"] == "bridge" and len(loads := dead_load_table(result)):
+        tables["dead_loads"] = loads
     climate = {key: case[key] for key in ("ambient", "weather", "duration") if key in case}
     tables["climate"] = input_table("Ambient temperature and duration", climate, otherwise="input")
     if codes := case.get("codes"):
@@ -236,7 +244,7 @@ def _assumptions(result: EarthquakeResult, case: Case) -> list[str]:
         start,
     ]
     if case["command"] == "bridge":
-        sentences.append(NOT_ASSEMBLED)
+        sentences += [direction_note(result), NOT_ASSEMBLED]
     sentences += _laboratory(case)
     layered = any(table.get("kind") != "bilinear" for table in list_bearing_tables(case))
     sentences += [reported.undecided()] if layered and result.bands.empty else []
@@ -301,6 +309,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
     command, outside = str(attrs["command"]), bool(case.get("laboratory", {}).get("specimen"))
     energy = result.energy if result.runs else None
     bound = find_other_bound(result)
+    strengths = run_strength_band(result)
     settled: dict[str, Settled] = {}  # by the state of the rubber; "" is that of the analysis
     if command == "bridge" and result.runs:
         settled[""] = settle_bridge(result)
@@ -312,7 +321,7 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
         command,
         f"{COMMANDS[command]} of {attrs['structure']}",
         _question(result, case),
-        main_results(result, bound),
+        main_results(result, bound, strengths),
         judged=result.runs > 0,
         inputs=_input_tables(result, case),
         tables={**(result.tables() if result.runs else {}), **properties},
@@ -332,13 +341,23 @@ def build_pieces(result: EarthquakeResult) -> Pieces:
             *filter(None, (step_note(item, rubber) for rubber, item in settled.items())),
         ],
         range_action=_range_action(result),
-        first_actions=[text for text in [few_motions(result, more_motions_action)] if text],
+        first_actions=_first_actions(result, case, strengths),
         identity=shared["identity"],
         warnings=[
             *shared["warnings"],
             *filter(None, (step_warning(item, rubber) for rubber, item in settled.items())),
         ],
     )
+
+
+def _first_actions(
+    result: EarthquakeResult, case: Case, strengths: StrengthBand | None
+) -> list[str]:
+    """Return what to do before all that checks ask for: more motions, tests of bearings."""
+    actions = [few_motions(result, more_motions_action)]
+    if case["command"] == "bridge":
+        actions.append(action_on_untested(case, strengths))
+    return [text for text in actions if text]
 
 
 def _range_action(result: EarthquakeResult) -> str:

@@ -21,6 +21,7 @@ from thermobearing.border.errors import InputError, closest
 from thermobearing.border.library import data_path
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
+from thermobearing.quantities.words import joined
 from thermobearing.report.content import PREPARED, TESTED_RANGE, summarize_checks
 from thermobearing.report.pieces import (
     EXCEEDED,
@@ -200,11 +201,16 @@ def _exceeded(pieces: Pieces) -> list[Block]:
 def _actions(pieces: Pieces) -> list[Block]:
     """Return what to do about exceeded limits and unknown ones."""
     texts = ACTIONS | ({OF_RANGE: pieces.range_action} if pieces.range_action else {})
-    actions = dict.fromkeys(
+    of_checks = dict.fromkeys(
         next(text for start, text in texts.items() if f"{c.verdict} {c.source}".startswith(start))
         for c in sorted(pieces.checks, key=lambda check: SEVERITY.index(check.verdict))
         if c.verdict not in (PASSED, TENTATIVE)  # more motions are a first action
     )
+    missing = joined(dict.fromkeys(c.limited or c.what for c in pieces.checks if c.without_limit))
+    actions = [
+        f"{text.removesuffix('.')}: {missing}." if text == ACTIONS[NOT_ASSESSED] else text
+        for text in of_checks
+    ]
     items = [*pieces.first_actions, *actions]
     return [Paragraph("**Recommended actions**"), Bullets(items)] if items else []
 

@@ -142,7 +142,7 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`, `h_eff_heated` and
         `Q_d_heated_kN` are those with the lead at its highest temperature in the runs, `lead_degC`.
         `secant_kN_mm` is the largest force over the largest displacement of the run `secant_of`
-        where that is most. Lines that do not move are left out.
+        where that is most, `has_lead` whether there is lead. Lines that do not move are left out.
     """
     case = tomllib.loads(str(result.dataset.attrs["case"]))
     devices = {str(table["name"]): load_device(table) for table in list_bearing_tables(case)}
@@ -187,6 +187,7 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         assumed += [LEAD_EXTRAPOLATED] * bool(cold_lead)
         origin: dict[str, Any] = {"rubber": rubber, "excess": excess, "assumed": " ".join(assumed)}
         origin |= {"law": law, "outside_law_K": outside, "cold_lead": cold_lead}
+        origin["has_lead"] = isinstance(device, Bearing) and device.lead is not None
         rows.append(labels | line | values | origin | _largest_secant(group))
     return _with_one_ratio(pd.DataFrame(rows))
 

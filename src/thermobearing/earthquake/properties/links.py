@@ -11,6 +11,7 @@ from thermobearing.bearing.sources import (
 )
 from thermobearing.border.lazy import pd
 from thermobearing.earthquake.properties.notes import (
+    EXTREMES,
     HEATED_COLUMNS,
     KILO,
     OTHER_DISPLACEMENTS,
@@ -27,6 +28,7 @@ from thermobearing.earthquake.properties.notes import (
     is_extrapolated,
     is_lower,
     is_upper,
+    left_out_note,
     secant_note,
     with_bounds,
 )
@@ -42,6 +44,7 @@ from thermobearing.structure.connections.model import DeviceTable
 
 LINK_WIDTH = 79  # letters of a line of links.txt
 LINK_NOTES = (
+    EXTREMES,
     OTHER_DISPLACEMENTS,
     "The effective damping is the coefficient of a dashpot, C = h K_eff T_eff/pi, with the "
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
@@ -92,7 +95,7 @@ def link_text(
         "lead have a second block of lower values, with the lead as warm as in the",
         "runs and T_eff without heating.",
     ]
-    notes = [*LINK_NOTES, *_state_notes(lines), initial_stiffness_note(lines)]
+    notes = [*LINK_NOTES, *_state_notes(lines), left_out_note(lines), initial_stiffness_note(lines)]
     for note in [*notes, trials_note(trials) if trials else ""]:
         text += textwrap.wrap(note, LINK_WIDTH)
     periods = bridges.set_index(["bearing", "state", "ambient_degC"])["effective_period_s"]
@@ -151,10 +154,11 @@ def _steps_note(rows: "pd.DataFrame") -> str:
     steps = []
     for name in ("links", "coupled"):
         of_name = sorted(set(rows[f"{name}_step_s"]))
-        ends = dict.fromkeys([milliseconds(of_name[0]), milliseconds(of_name[-1])])
+        ends = [milliseconds(of_name[0]).removesuffix(" ms")] * (of_name[0] < of_name[-1])
+        ends.append(milliseconds(of_name[-1]))
         words = "with links" if name == "links" else "coupled"
         change = f"{100.0 * rows[f'{name}_change'].max():.1f} % at most"
-        steps.append(f"{words} to {' to '.join(ends)}, where the last two moved a peak by {change}")
+        steps.append(f"{words} at {' to '.join(ends)}, where the last two moved a peak by {change}")
     text = (
         "Both were repeated at half the time step until two halvings moved no peak by more than "
         f"{100.0 * TOLERANCE:g} % ({'; '.join(steps)})."

@@ -2,7 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
+
+from pydantic import Field
 
 from thermobearing.bearing.library import BEARINGS
 from thermobearing.bearing.model import Bearing
@@ -14,10 +17,13 @@ from thermobearing.bearing.sources import (
     assumed_clause,
 )
 from thermobearing.border.lazy import pd
+from thermobearing.border.library import read_data
+from thermobearing.border.schema import Strict, in_unit
 from thermobearing.cyclic.equivalent import (
     post_yield_ratio,
 )
 from thermobearing.earthquake.case import list_bearing_tables
+from thermobearing.model.outcomes import assumption_texts
 from thermobearing.quantities.words import joined
 
 RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
@@ -34,6 +40,22 @@ OTHER_DISPLACEMENTS = (
     "K_eff and damping also depend on the design displacement, which differs between temperatures: "
     "their ratio is not that of one loop at two temperatures."
 )
+
+
+Stress = Annotated[float, in_unit("MPa"), Field(gt=0)]
+
+
+class LeadStrength(Strict):
+    """Content of data/materials/lead-strength.toml; `unverified`: its source was not read."""
+
+    lowest: Stress
+    highest: Stress
+    rate: Annotated[float, Field(ge=0)]
+    source: str
+    unverified: bool
+
+
+lead_strength = partial(read_data, LeadStrength, "materials", "lead-strength.toml")
 
 
 def bearing_sources(case: Mapping[str, Any], table: Mapping[str, Any]) -> dict[str, str]:
@@ -56,8 +78,26 @@ def temperature_note(case: Mapping[str, Any]) -> str:
     return TEMPERATURE_NOTE.format(phrases=joined(phrases)) if phrases else ""
 
 
-def initial_stiffness_note(lines: "pd.DataFrame") -> str:
-    """Return which K_1/K_d is assumed, with its source and where a fat loop needs more of it."""
+def left_out_note(lines: "pd.DataFrame") -> str:
+    """Return what upper values of lines leave out, as a sentence; empty without an upper value."""
+    rows = with_bounds(lines).to_dict("records") if len(lines) else []
+    upper = [row for row in rows if is_upper(row) and row["rubber"]]
+    if not upper:
+        return ""
+    texts = assumption_texts()["left_out"]
+    phrases = [texts["rubber"]]
+    if any(row["has_lead"] for row in upper):
+        rate = lead_strength()
+        star = texts["unverified"] * rate.unverified
+        phrases.append(texts["lead"].format(rate=f"{100.0 * rate.rate:.0f}", unverified=star))
+    return str(texts["sentence"].format(effects=joined(phrases)))
+
+
+def initial_stiffness_note(lines: "pd.DataFrame", *, with_numbers: bool = True) -> str:
+    """Return which K_1/K_d is assumed, with its source and where a fat loop needs more of it.
+
+    `with_numbers`: what K_1 and K_0 are, and both of each line, too.
+    """
     kinds = dict.fromkeys(kind for kind in lines["kind"] if kind)
     if not kinds:
         return ""
@@ -85,14 +125,24 @@ def initial_stiffness_note(lines: "pd.DataFrame") -> str:
         for name, row in zip(place_names(lines, "degC"), lines.to_dict("records"), strict=True)
         if row["kind"]
     )
-    text += (
-        ". This K_1 is not the initial stiffness K_0 of the model, its tangent without "
-        f"displacement ({'; '.join(numbers)})"
-    )
+    if with_numbers:
+        text += (
+            ". This K_1, the first branch of the bilinear loop, is not the initial stiffness K_0 "
+            f"of the model, the tangent of its curved loop at rest ({'; '.join(numbers)})"
+        )
+    if with_numbers and not lines["rubber"].isin(["", SCRAGGED]).all():
+        text += (
+            "; K_0 of virgin rubber has its excess, which is largest before the first displacement "
+            "and of no use in a link"
+        )
     return f"{text}. *: not checked against the published text." if star else f"{text}."
 
 
 LOWER, UPPER = "lower", "upper"
+NO_BOUND = "no bound, but the properties at this temperature in this state of the rubber"
+EXTREMES = (
+    "Coldest and warmest are those of the ambient temperatures of this analysis, not of the site."
+)
 
 
 def with_bounds(lines: "pd.DataFrame") -> "pd.DataFrame":
@@ -136,6 +186,9 @@ def bound_note(row: Mapping[Any, Any], lines: "pd.DataFrame", *, heated: bool = 
     words += ["lead heated"] * heated
     text = ", ".join(words)
     kind = values_note(row)
+    # With one state of the rubber and one temperature there is nothing to bound.
+    if not kind and text:
+        return f"{NO_BOUND} ({text})"
     return f"{kind} ({text})" if kind and text else kind or text
 
 

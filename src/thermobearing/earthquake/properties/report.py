@@ -28,6 +28,7 @@ from thermobearing.earthquake.properties.notes import (
     initial_stiffness_note,
     is_elastic,
     is_extrapolated,
+    left_out_note,
     loop_name,
     place_names,
     with_bounds,
@@ -83,7 +84,16 @@ def property_tables(
     bridges = pd.concat([part[1] for part in parts], ignore_index=True)
     trials = try_links(analyses, lines)
     written = lines.drop(
-        columns=["kind", "excess", "law", "cold_lead", "secant_kN_mm", "secant_of", "state"]
+        columns=[
+            "kind",
+            "excess",
+            "has_lead",
+            "law",
+            "cold_lead",
+            "secant_kN_mm",
+            "secant_of",
+            "state",
+        ]
     )
     files = {
         PROPERTIES: with_own_bearing(written).to_csv(index=False).encode(),
@@ -157,8 +167,9 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
     note = (
         "Third cycle without heating at the ambient temperature, of the bearing as it was run "
         "(state of the rubber, exposure): upper values at the coldest, lower values at the "
-        f"warmest. {OTHER_DISPLACEMENTS} Q_d, K_d and K_1 are those of the bilinear loop with the "
-        "same peak force and energy."
+        "warmest ambient temperature of this analysis, which need not be those of the site. "
+        f"{OTHER_DISPLACEMENTS} Q_d, K_d and K_1 are those of the bilinear "
+        "loop with the same peak force and energy."
     )
     states = lines.drop_duplicates(["line_bearing", "rubber", "ambient_degC"])
     if notes := [
@@ -167,7 +178,9 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
         if row["cycle"] == FIRST
     ]:
         note = f"{note} Upper values of virgin rubber are of another cycle ({'; '.join(notes)})."
-    note = " ".join([note, plain(initial_stiffness_note(lines)), *_reservations(lines)])
+    # Numbers of K_0 are in links.txt: a note is read beside its table.
+    of_stiffness = plain(initial_stiffness_note(lines, with_numbers=False))
+    note = " ".join([note, of_stiffness, plain(left_out_note(lines)), *_reservations(lines)])
     several_states = lines["state"].nunique() > 1
     several = lines["bearing"].nunique() > 1
     keys = ["bearing", "line"] if several else ["line"]
@@ -196,9 +209,10 @@ def _bridge_table(bridges: "pd.DataFrame") -> Table:
     """Return effective period and damping of the bridge, by ambient temperature."""
     factor = damping_factor()
     source = (
-        "First mode with K_eff of all bearings at their design displacement. The effective damping "
-        "is that of the bearings times their share in the strain energy of this mode: other "
-        "parts of the structure store the rest. Their masses count, which the static rule of codes "
+        "First mode with K_eff of all bearings at their design displacement. The damping of "
+        "bearings is the energy of all their loops over 2π Σ K_eff D²; the effective damping, that "
+        "of B_L, is their damping times their share in the strain energy of this mode: other parts "
+        "of the structure store the rest. Their masses count, which the static rule of codes "
         "with D + D_sub neglects. Damping of the structure is not in it. "
     )
     source += f"B_L{'*' if factor.unverified else ''}: {factor.source}."
