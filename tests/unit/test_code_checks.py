@@ -83,17 +83,17 @@ def test_a_mean_of_aashto_needs_seven_motions(count, expected):
 def test_verdicts_of_fewer_motions_than_the_rule_needs_say_so(count):
     """AASHTO takes the largest of three motions or more; fewer are no basis of a verdict."""
     result = tb.bridge(BEARING, NAMES[:count], 23, duration=4, dt=0.01, axial_force=LOAD)
-    found = tb.check_bearings(result, "aashto", zone=3)
-    rows = _rows(found, AASHTO).loc["23 degC"]
+    checked = tb.check_bearings(result, "aashto", zone=3)
+    rows = _rows(checked, AASHTO).loc["23 degC"]
     names = ["total shear strain", "1.2 times the vertical load at 1.5 times the displacement"]
     verdicts = set(rows.loc[names, "verdict"])
     assert verdicts == ({TOO_FEW} if count == 2 else {"OK"})
     assert rows["source"].str.contains("with 2 motions").sum() == (2 if count == 2 else 0)
-    (warning,) = [text for text in found.warnings if "the largest peaks" in text]
+    (warning,) = [text for text in checked.warnings if "the largest peaks" in text]
     assert ("too few motions" in warning) == (count == 2)
-    pieces = build_pieces(found)
-    few = [check for check in pieces.checks if check.verdict == TENTATIVE]
-    assert len(few) == (2 if count == 2 else 0)
+    pieces = build_pieces(checked)
+    tentative = [check for check in pieces.checks if check.verdict == TENTATIVE]
+    assert len(tentative) == (2 if count == 2 else 0)
     (actions,) = [block for block in _actions(pieces) if isinstance(block, Bullets)]
     assert actions.items[0].startswith("Add ground motions") == (count == 2)
     assert pieces.answer[0].startswith("2 ground motions are too few") == (count == 2)

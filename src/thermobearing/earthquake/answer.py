@@ -67,8 +67,9 @@ def main_results(
         return [f"No run was completed ({result.outcome}): {tidy(result.sentence)}"]
     cold = _cold(result)
     note = _temperature_note(result)
-    few = few_motions(result, few_motions_note)
-    answer = [*_early_end_sentences(result), few, cold, note, _yielding(result), _governing(result)]
+    count_note = few_motions(result, few_motions_note)
+    answer = [*_early_end_sentences(result), count_note, cold, note]
+    answer += [_yielding(result), _governing(result)]
     if not cold:
         answer.append(_heating(result))
     if bound is not None:

@@ -157,10 +157,8 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
     lines = moved_lines(result, case["structure"], devices)
     for key, group in lines.groupby(["bearing", "line", "ambient_degC"], sort=False):
         peaks = group["displacement_max_mm"].to_numpy(dtype=float)
-        has_mean = len(peaks) >= motions_for_mean()
         displacement = design_peak(peaks)
         governing = str(group["motion"].iloc[place_of_largest(peaks)])
-        source = f"mean of {len(peaks)} motions" if has_mean else f"largest, in {governing}"
         state = states.get(str(key[1])) or options.state
         device = _as_run(devices[str(group["line_bearing"].iloc[0])], options, state)
         coldest = key[2] == lines["ambient_degC"].min()
@@ -171,7 +169,7 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         labels = dict(zip(("bearing", "line", "ambient_degC"), key, strict=True))
         labels["state"] = analysis_state
         line = {"line_bearing": device.name, "count": int(group["count"].iloc[0])}
-        line |= {"design_displacement_of": source}
+        line |= {"design_displacement_of": _design_source(len(peaks), governing)}
         lead = float(group["lead_max_degC"].max())
         heated = lead if lead > temperature + SLACK_KELVIN else None
         values = _properties(device, displacement, temperature, period, upper=coldest, lead=heated)
@@ -190,6 +188,14 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         origin["has_lead"] = isinstance(device, Bearing) and device.lead is not None
         rows.append(labels | line | values | origin | _largest_secant(group))
     return _with_one_ratio(pd.DataFrame(rows))
+
+
+def _design_source(count: int, governing: str) -> str:
+    """Return which of the peaks of some motions a design displacement is, in words."""
+    if count >= motions_for_mean():
+        return f"mean of {count} motions"
+    too_few = f" of {counted(count, 'motion')}, too few for a code" * bool(few_motions_note(count))
+    return f"largest{too_few}, in {governing}"
 
 
 def _beyond_law(device: Bearing | BilinearBearing, temperature: float) -> tuple[str, float]:
