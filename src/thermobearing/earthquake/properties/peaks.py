@@ -197,7 +197,7 @@ def milliseconds(step: float) -> str:
     >>> milliseconds(0.00125)
     '1.25 ms'
     """
-    return f"{1e3 * step:.3g} ms"
+    return f"{1e3 * step:.4g} ms"
 
 
 def step_note(settled: Settled, rubber: str = "") -> str:
@@ -236,5 +236,5 @@ def step_warning(settled: Settled, rubber: str = "") -> str:
     """Return that the step of an analysis is too large for its peaks, as a warning; else empty."""
     if not settled.runs or _largest(settled.differences) <= COARSE:
         return ""
-    cure = f"repeat the analysis with --dt {settled.step:.3g}"
+    cure = f"repeat the analysis with --dt {settled.step:.4g}"
     return f"{step_note(settled, rubber).removesuffix('.')}; {cure}"
