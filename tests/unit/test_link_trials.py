@@ -1,6 +1,7 @@
 """Links in place of bearings: peaks of the same bridge, and those of the coupled analysis."""
 
 import io
+import tomllib
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import thermobearing as tb
 from tests.unit.test_lines_and_piers import two_piers
 from thermobearing.bearing.bilinear import BilinearBearing
 from thermobearing.border.schema import validated
+from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.properties.lines import line_properties
 from thermobearing.earthquake.properties.links import trials_note
 from thermobearing.earthquake.properties.notes import SCRAGGED, with_bounds
@@ -21,6 +23,7 @@ from thermobearing.earthquake.properties.peaks import (
     design_peaks,
     largest_differences,
     settle_bridge,
+    settle_case,
     step_note,
     step_warning,
 )
@@ -131,6 +134,21 @@ def test_trials_are_at_a_step_at_which_peaks_have_settled(pieces: Pieces) -> Non
     assert max(value for value in differences.values() if value == value) > 0.015
 
 
+def test_an_analysis_with_too_many_steps_says_that_it_was_not_repeated(
+    bridge: EarthquakeResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("thermobearing.earthquake.properties.trials.MOST_STEPS_OF_LINKS", 1.0)
+    lines = with_bounds(line_properties(bridge))
+    first = settle_case(bridge_case(bridge), bridge, most_steps=1.0)
+    assert (first.step, first.runs, np.isnan(first.change)) == (0.005, 0, True)
+    trials = try_links({str(lines["state"].iloc[0]): first}, lines)
+    assert trials.rows["links_step_s"].unique().tolist() == [0.005]
+    note = trials_note(trials)
+    assert note.count("too many steps") == 2
+    assert "did not settle" in note
+    assert "nan" not in note
+
+
 def test_an_analysis_states_the_error_of_its_step(bridge: EarthquakeResult) -> None:
     """The moment of the pier too; a step that is too large is a warning with the one to take."""
     settled = settle_bridge(bridge)
@@ -144,7 +162,8 @@ def test_an_analysis_states_the_error_of_its_step(bridge: EarthquakeResult) -> N
     assert not coarse.has_settled
     assert "3.1 %" in step_warning(coarse)
     assert "--dt 0.00125" in step_warning(coarse)
-    assert step_note(settled._replace(runs=0)) == ""
+    assert "not computed" in step_note(settled._replace(runs=0))
+    assert step_warning(settled._replace(runs=0)) == ""
     other = settled._replace(differences=expected | {"force_max_kN": np.inf})
     assert "another outcome" in step_note(other)
 
@@ -199,6 +218,10 @@ def test_links_that_understate_a_peak_say_by_how_much() -> None:
     assert "force" not in note
     assert shortfall_note(trial_rows({"force": 0.951, "pier_moment": 1.2})) == ""
     assert shortfall_note(trial_rows({"displacement": np.nan})) == ""
+
+
+def bridge_case(result: EarthquakeResult) -> Any:
+    return make_earthquake_case(tomllib.loads(str(result.dataset.attrs["case"])), "result")
 
 
 def run_trials(result: EarthquakeResult) -> Any:

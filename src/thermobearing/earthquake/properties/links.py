@@ -157,8 +157,11 @@ def _steps_note(rows: "pd.DataFrame") -> str:
         ends = [milliseconds(of_name[0]).removesuffix(" ms")] * (of_name[0] < of_name[-1])
         ends.append(milliseconds(of_name[-1]))
         words = "with links" if name == "links" else "coupled"
-        change = f"{100.0 * rows[f'{name}_change'].max():.1f} % at most"
-        steps.append(f"{words} at {' to '.join(ends)}, where the last two moved a peak by {change}")
+        largest = float(rows[f"{name}_change"].max())
+        change = f"where the last two moved a peak by {100.0 * largest:.1f} % at most"
+        if math.isnan(largest):
+            change = "not halved twice: too many steps"
+        steps.append(f"{words} at {' to '.join(ends)}, {change}")
     text = (
         "Both were repeated at half the time step until two halvings moved no peak by more than "
         f"{100.0 * TOLERANCE:g} % ({'; '.join(steps)})."

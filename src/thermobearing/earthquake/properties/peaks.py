@@ -36,6 +36,7 @@ TOLERANCE = 0.01  # of a peak, by which half the step may move it
 IN_A_ROW = 2  # halvings that move no peak by more: one alone may do so by chance
 MOST_HALVINGS = 5  # of the step of an analysis
 MOST_STEPS = 1.5e6  # of all lines in an analysis at a smaller step: seconds
+MOST_STEPS_OF_LINKS = 6e6  # likewise of bilinear bearings, which have no heat
 COARSE = 0.02  # of a peak: error of the time step that is a warning
 SMALLEST_STEP = 1e-6  # s, as of `dt`
 GROUND = "ground"
@@ -115,7 +116,10 @@ def design_peaks(result: "EarthquakeResult") -> "pd.DataFrame":
 
 
 def settle_case(
-    case: EarthquakeCase, first: "EarthquakeResult", peaks_of: PeaksOf = design_peaks
+    case: EarthquakeCase,
+    first: "EarthquakeResult",
+    peaks_of: PeaksOf = design_peaks,
+    most_steps: float = MOST_STEPS,
 ) -> Settled:
     """Repeat an analysis at half the step again and again, until its peaks do not move.
 
@@ -127,6 +131,7 @@ def settle_case(
     case : of the analysis.
     first : its result.
     peaks_of : design peaks of a result, by place; those of all lines by default.
+    most_steps : of all lines together, in an analysis at a smaller step.
     """
     loads = [item.load_pair if case.structure.plan else item.load for item in case.motions]
     counts = [case.count_steps(load()) for load in loads]
@@ -136,7 +141,7 @@ def settle_case(
     first_peaks, changes = peaks, list[float]()
     for halving in range(1, MOST_HALVINGS + 1):
         halved = smallest / 2**halving
-        if halved < SMALLEST_STEP or 2**halving * line_steps > MOST_STEPS or not len(peaks):
+        if halved < SMALLEST_STEP or 2**halving * line_steps > most_steps or not len(peaks):
             break
         update: dict[str, Any] = {"dt": halved, "keep": ("rubber",)}
         update["keep_every"] = case.analysis.keep_every * 2**halving
@@ -203,14 +208,16 @@ def milliseconds(step: float) -> str:
 def step_note(settled: Settled, rubber: str = "") -> str:
     """Return how far the peaks of an analysis depend on its time step, as a sentence.
 
-    Empty where it was not repeated at a smaller one. `rubber` is its state, where not that of the
-    analysis of the report.
+    `rubber` is its state, where not that of the analysis of the report.
     """
-    if not settled.runs:
-        return ""
     table = tomllib.loads(str(settled.first.dataset.attrs["case"]))
     first = milliseconds(parse_quantity(str(table["analysis"]["dt"]), "s"))
     subject = f"with {rubber} rubber, " * bool(rubber)
+    if not settled.runs:
+        return (
+            f"Error of the time step: {subject}not computed; repeat the analysis with half of its "
+            f"step of {first}, and compare displacement, force and pier moment."
+        )
     runs = f"{counted(settled.runs, 'more run')} of the analysis"
     if np.isinf(_largest(settled.differences)):
         return (

@@ -24,6 +24,7 @@ from thermobearing.earthquake.case import (
 from thermobearing.earthquake.properties.lines import design_peak, load_device
 from thermobearing.earthquake.properties.notes import is_lower
 from thermobearing.earthquake.properties.peaks import (
+    MOST_STEPS_OF_LINKS,
     PEAKS,
     Settled,
     design_peaks,
@@ -110,7 +111,7 @@ def _settle_links(case: EarthquakeCase, rows: "pd.DataFrame") -> Settled:
         peaks = design_peaks(result)
         return peaks[peaks.index.get_level_values("line").isin(rows["line"])]
 
-    return settle_case(case, run_earthquake(case), _peaks_of_links)
+    return settle_case(case, run_earthquake(case), _peaks_of_links, MOST_STEPS_OF_LINKS)
 
 
 def shortfall_note(rows: "pd.DataFrame") -> str:
