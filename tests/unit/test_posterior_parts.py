@@ -24,7 +24,7 @@ def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
     )  # fmt: skip
     about = {
         "of_tests": np.diag([0.01**2, 0.02**2]), "widening": 1.2, "assumed": assumed,
-        "samples": 200, "effective_samples": 50.0,
+        "samples": 200, "effective_samples": 50.0, "stretching": np.ones(2),
     } | uncertainty  # fmt: skip
     return SimpleNamespace(
         problem=problem, cube=cube, uncertainty=SimpleNamespace(**about), bearing="best",
