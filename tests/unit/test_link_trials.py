@@ -143,10 +143,26 @@ def test_an_analysis_with_too_many_steps_says_that_it_was_not_repeated(
     assert (first.step, first.runs, np.isnan(first.change)) == (0.005, 0, True)
     trials = try_links({str(lines["state"].iloc[0]): first}, lines)
     assert trials.rows["links_step_s"].unique().tolist() == [0.005]
+    assert trials.rows["links_halvings"].unique().tolist() == [0]
     note = trials_note(trials)
-    assert note.count("too many steps") == 2
-    assert "did not settle" in note
+    assert note.count("not repeated") == 1 + len(trials.rows.groupby(["ambient_degC", "lead"]))
     assert "nan" not in note
+
+
+def test_an_analysis_that_was_halved_once_is_not_said_to_move(bridge: EarthquakeResult) -> None:
+    """It is an exception, as one that moves is, each with its own size."""
+    lines = with_bounds(line_properties(bridge))
+    state = str(lines["state"].iloc[0])
+    settled = settle_bridge(bridge)
+    once = settled._replace(halvings=1, change=0.002)
+    assert not once.has_settled
+    assert "halved once, which moved no peak by more than 0.2 %" in step_note(once)
+    notes = {
+        change: trials_note(try_links({state: settled._replace(halvings=2, change=change)}, lines))
+        for change in (0.002, 0.027)
+    }
+    assert "coupled analysis with" not in notes[0.002]
+    assert "still moves a peak by 2.7 %" in notes[0.027]
 
 
 def test_an_analysis_states_the_error_of_its_step(bridge: EarthquakeResult) -> None:
@@ -161,7 +177,8 @@ def test_an_analysis_states_the_error_of_its_step(bridge: EarthquakeResult) -> N
     coarse = settled._replace(differences=expected | {"pier_moment_max_kN_m": 0.031}, change=0.02)
     assert not coarse.has_settled
     assert "3.1 %" in step_warning(coarse)
-    assert "--dt 0.00125" in step_warning(coarse)
+    assert "--dt 0.000625" in step_warning(coarse)
+    assert "--dt 0.00125 --state virgin" in step_warning(coarse._replace(change=0.01), "virgin")
     assert "not computed" in step_note(settled._replace(runs=0))
     assert step_warning(settled._replace(runs=0)) == ""
     other = settled._replace(differences=expected | {"force_max_kN": np.inf})

@@ -1,7 +1,5 @@
 """What the source says of the HDR bearings, against what this model gives."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -53,18 +51,6 @@ def test_bridge_bearing_has_the_stiffness_of_table_6_1(
         f"{stiffness:.3f} kN/mm",
         f"{BRIDGE_K_EQ} +- {tol.TABLE_6_1_STIFFNESS:.1%}",
     )
-
-
-def test_the_readme_says_how_much_stiffer_the_cold_makes_the_specimens() -> None:
-    """G_e at -20 over that at 23 degC, from the first to the fifth cycle of 50 and of 250 %."""
-    ratios: list[float] = []
-    for name, wave in (("shen-hdr-specimen", "triangular"), ("shen-lhdr-specimen", "sine")):
-        for strain in (0.5, 2.5):
-            test = tb.cyclic_test([strain], wave=wave, dt=0.02)  # type: ignore[arg-type]
-            cycles = tb.run(name, test, ambient=[-20.0, 23.0]).cycles["G_eq_MPa"].to_numpy()
-            ratios += list(cycles[:5] / cycles[5:])
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    assert f"{min(ratios):.1f} to {max(ratios):.1f} times" in readme
 
 
 def test_inner_layers_are_hotter_and_the_outer_cools_first(cold: tb.Result) -> None:

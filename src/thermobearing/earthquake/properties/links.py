@@ -32,14 +32,21 @@ from thermobearing.earthquake.properties.notes import (
     secant_note,
     with_bounds,
 )
-from thermobearing.earthquake.properties.peaks import PEAKS, TOLERANCE, milliseconds
+from thermobearing.earthquake.properties.peaks import (
+    IN_A_ROW,
+    MOST_HALVINGS,
+    PEAKS,
+    TOLERANCE,
+    halving_clause,
+    milliseconds,
+)
 from thermobearing.earthquake.properties.trials import (
     Trials,
     shortfall_note,
     trial_columns,
 )
 from thermobearing.model.earlier import BilinearParameters
-from thermobearing.quantities.words import counted, joined
+from thermobearing.quantities.words import counted, joined, percent
 from thermobearing.structure.connections.model import DeviceTable
 
 LINK_WIDTH = 79  # letters of a line of links.txt
@@ -150,30 +157,36 @@ def trials_note(trials: Trials) -> str:
 
 
 def _steps_note(rows: "pd.DataFrame") -> str:
-    """Return the steps at which trials settled, and which did not, in sentences."""
-    steps = []
-    for name in ("links", "coupled"):
-        of_name = sorted(set(rows[f"{name}_step_s"]))
-        ends = [milliseconds(of_name[0]).removesuffix(" ms")] * (of_name[0] < of_name[-1])
-        ends.append(milliseconds(of_name[-1]))
-        words = "with links" if name == "links" else "coupled"
-        largest = float(rows[f"{name}_change"].max())
-        change = f"where the last two moved a peak by {100.0 * largest:.1f} % at most"
-        if math.isnan(largest):
-            change = "not halved twice: too many steps"
-        steps.append(f"{words} at {' to '.join(ends)}, {change}")
+    """Return the steps at which peaks of trials settled, and which did not, in sentences."""
+    steps, exceptions = [], dict[str, None]()
+    for name, words in (("links", "with links"), ("coupled", "coupled")):
+        ends = sorted(set(rows[f"{name}_step_s"]))
+        shown = [milliseconds(ends[0]).removesuffix(" ms")] * (ends[0] < ends[-1])
+        steps.append(f"{words} at {' to '.join([*shown, milliseconds(ends[-1])])}")
+        for row in rows.to_dict("records"):
+            halvings, change = row[f"{name}_halvings"], row[f"{name}_change"]
+            if halvings < IN_A_ROW or change > TOLERANCE:
+                clause = halving_clause(halvings, change)
+                exceptions[f"{_analysis_name(row, name)}, {clause}"] = None
     text = (
-        "Both were repeated at half the time step until two halvings moved no peak by more than "
-        f"{100.0 * TOLERANCE:g} % ({'; '.join(steps)})."
+        "Both were repeated at half the time step until two halvings in a row moved no peak by "
+        f"more than {percent(TOLERANCE)} ({', '.join(steps)})."
     )
-    moving = rows[~(rows[["links_change", "coupled_change"]] <= TOLERANCE).all(axis=1)]
-    names = dict.fromkeys(
-        f"{row['rubber']} rubber at {row['ambient_degC']:g} degC".strip()
-        for row in moving.drop_duplicates(["state", "ambient_degC"]).to_dict("records")
-    )
-    if names:
-        text += f" These did not settle, and their ratios are as uncertain: {joined(names)}."
+    if exceptions:
+        text += (
+            f" Exceptions, after {MOST_HALVINGS} halvings or before too many steps, whose ratios "
+            f"are as uncertain as stated: {'; '.join(exceptions)}."
+        )
     return text
+
+
+def _analysis_name(row: Mapping[Any, Any], name: str) -> str:
+    """Return the name of an analysis with links of a row, or of the coupled one, in words."""
+    rubber = f"{row['rubber']} rubber".strip()
+    if name == "coupled":  # of all temperatures
+        return f"coupled analysis with {rubber}"
+    heated = " and heated lead" * bool(row["lead"])
+    return f"links of {rubber}{heated} at {row['ambient_degC']:g} degC"
 
 
 def _trial_rows(

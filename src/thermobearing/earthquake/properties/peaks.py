@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 TOLERANCE = 0.01  # of a peak, by which half the step may move it
 IN_A_ROW = 2  # halvings that move no peak by more: one alone may do so by chance
 MOST_HALVINGS = 5  # of the step of an analysis
-MOST_STEPS = 1.5e6  # of all lines in an analysis at a smaller step: seconds
-MOST_STEPS_OF_LINKS = 6e6  # likewise of bilinear bearings, which have no heat
+MOST_STEPS = 4e6  # of all lines in an analysis at a smaller step, which takes some ten seconds
+MOST_STEPS_OF_LINKS = 8e6  # likewise of bilinear bearings, which have no heat
 COARSE = 0.02  # of a peak: error of the time step that is a warning
 SMALLEST_STEP = 1e-6  # s, as of `dt`
 GROUND = "ground"
@@ -58,13 +58,14 @@ class Settled(NamedTuple):
     result: "EarthquakeResult"  # at the smallest step
     step: float  # of it [s]
     change: float  # of a peak by either of the last two halvings at most, relative; NaN without
+    halvings: int
     differences: Mapping[str, float]  # of `first` from `result` at most, relative, by peak
     runs: int  # besides those of `first`
 
     @property
     def has_settled(self) -> bool:
-        """Whether the last halvings moved no peak by more than the tolerance."""
-        return self.change <= TOLERANCE
+        """Whether two halvings in a row moved no peak by more than the tolerance."""
+        return self.halvings >= IN_A_ROW and self.change <= TOLERANCE
 
 
 def line_peaks(result: "EarthquakeResult") -> "pd.DataFrame":
@@ -124,7 +125,7 @@ def settle_case(
     """Repeat an analysis at half the step again and again, until its peaks do not move.
 
     That is when two halvings in a row move no design peak by more than 1 %. It ends too after five
-    halvings, or before one with millions of steps.
+    halvings, or before one with more than `most_steps`.
 
     Parameters
     ----------
@@ -158,8 +159,9 @@ def settle_case(
         runs += finer.runs
         if len(changes) >= IN_A_ROW and max(changes[-IN_A_ROW:]) <= TOLERANCE:
             break
-    change = max(changes[-IN_A_ROW:]) if len(changes) >= IN_A_ROW else float("nan")
-    return Settled(first, result, step, change, largest_differences(first_peaks, peaks), runs)
+    change = max(changes[-IN_A_ROW:], default=float("nan"))
+    differences = largest_differences(first_peaks, peaks)
+    return Settled(first, result, step, change, len(changes), differences, runs)
 
 
 def settle_bridge(result: "EarthquakeResult") -> Settled:
@@ -172,7 +174,7 @@ def settle_bridge(result: "EarthquakeResult") -> Settled:
     try:
         return settle_case(case, result)
     except InputError:
-        return Settled(result, result, case.analysis.dt, float("nan"), {}, 0)
+        return Settled(result, result, case.analysis.dt, float("nan"), 0, {}, 0)
 
 
 def largest_differences(peaks: "pd.DataFrame", finer: "pd.DataFrame") -> dict[str, float]:
@@ -229,19 +231,38 @@ def step_note(settled: Settled, rubber: str = "") -> str:
         for column, value in settled.differences.items()
         if value == value
     ]
-    moved = "the last two halvings move no peak by more than"
-    if not settled.has_settled:
-        moved = "not settled: there a halving still moves a peak by"
-    change = f"; {moved} {percent(settled.change, 1)}" if settled.change == settled.change else ""
     return (
         f"Error of the time step: {subject}design peaks at steps of at most {first} differ from "
-        f"those at {milliseconds(settled.step)} by at most {joined(phrases)} ({runs}{change})."
+        f"those at {milliseconds(settled.step)} by at most {joined(phrases)} ({runs}; "
+        f"{halving_clause(settled.halvings, settled.change)})."
     )
+
+
+def halving_clause(halvings: int, change: float) -> str:
+    """Return what the last halvings of the step of an analysis moved, as a clause.
+
+    Parameters
+    ----------
+    halvings, change : as in `Settled`.
+
+    Examples
+    --------
+    >>> halving_clause(1, 0.002)
+    'halved once, which moved no peak by more than 0.2 %'
+    """
+    if halvings < 1:
+        return "not repeated at a smaller step, which would take too many steps"
+    if change > TOLERANCE:
+        return f"not settled: a halving still moves a peak by {percent(change, 1)}"
+    halved = "halved once, which" if halvings < IN_A_ROW else "the last two halvings"
+    return f"{halved} moved no peak by more than {percent(change, 1)}"
 
 
 def step_warning(settled: Settled, rubber: str = "") -> str:
     """Return that the step of an analysis is too large for its peaks, as a warning; else empty."""
     if not settled.runs or _largest(settled.differences) <= COARSE:
         return ""
-    cure = f"repeat the analysis with --dt {settled.step:.4g}"
+    step = settled.step if settled.change <= TOLERANCE else 0.5 * settled.step
+    state = f" --state {rubber}" if rubber else ""
+    cure = f"repeat the analysis with --dt {step:.4g}{state}"
     return f"{step_note(settled, rubber).removesuffix('.')}; {cure}"

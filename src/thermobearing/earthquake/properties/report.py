@@ -128,7 +128,11 @@ def _trials_table(trials: Trials) -> Table:
     rows = trials.rows
     lines = rows.to_dict("records")
     several = rows["ambient_degC"].nunique() > 1
-    shown = {"values": [row["bound"] + ", lead heated" * bool(row["lead"]) for row in lines]}
+    shown = {
+        "values": [
+            (row["bound"] or "no bound") + ", lead heated" * bool(row["lead"]) for row in lines
+        ]
+    }
     keys = ["bearing"] if rows["bearing"].nunique() > 1 else []
     keys += ["line"] + ["line_bearing"] * bool((rows["line_bearing"] != rows["bearing"]).any())
     keys += ["rubber", "ambient_degC", "values"]

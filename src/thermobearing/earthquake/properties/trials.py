@@ -76,8 +76,9 @@ def try_links(analyses: Mapping[str, Settled], lines: "pd.DataFrame") -> Trials:
         temperature: largest displacement [mm], force of one bearing [kN] and moment of its pier
         [kN m], the mean over motions where there are as many as a design displacement needs for it.
         `..._ratio` is that with links over that of the coupled analysis. Both are at the smallest
-        step at which they were repeated (`links_step_s`, `coupled_step_s`); `links_change` and
-        `coupled_change` are by how much the last halving moved a peak of the analysis at most.
+        step at which they were repeated (`links_step_s`, `coupled_step_s`), after `links_halvings`
+        and `coupled_halvings`; `links_change` and `coupled_change` are by how much the last two
+        halvings, or the only one, moved a peak of the analysis at most.
     """
     frames, reasons, runs = [], [], 0
     for state, group in lines.groupby("state", sort=False):
@@ -226,8 +227,10 @@ def _compared(
     moved, moved_with_links = line_peaks(coupled.result), line_peaks(linked.result)
     steps = {
         "links_step_s": linked.step,
+        "links_halvings": linked.halvings,
         "links_change": linked.change,
         "coupled_step_s": coupled.step,
+        "coupled_halvings": coupled.halvings,
         "coupled_change": coupled.change,
     }
     compared = []
