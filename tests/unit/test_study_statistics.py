@@ -214,6 +214,32 @@ def test_shares_that_do_not_follow_one_lognormal_curve_contradict_it(method: Any
     assert fewer.outcome != "contradicted"
 
 
+@pytest.mark.parametrize(
+    ("motions", "lowest"), [(5, np.nan), (6, 1.0), (7, 4.0), (8, 5.0), (12, 5.0)]
+)
+def test_a_capacity_that_none_exceeds_is_above_the_largest_intensity_of_six_motions(
+    motions: int, lowest: float
+) -> None:
+    """The sixth largest of the largest intensities of the motions, by whichever capacity."""
+    largest = [1.0, 4.0, *[5.0] * (motions - 2)]
+    motion = np.repeat(np.arange(motions), 2)
+    table = pd.DataFrame({"motion": motion, "im": 0.5, "drift": 0.1})
+    table.loc[1::2, "im"] = largest
+    for capacity in (1.0, 3.0):
+        curve = fragility_curve(table, "drift", capacity, "im", samples=20)
+        assert curve.outcome == "none_beyond"
+        assert_allclose(curve.row()["median_low"], lowest)
+
+
+def test_a_ratio_of_no_exceedances_lies_in_its_band() -> None:
+    cold = hazard.Rate(rate=0.0, low=0.0, high=0.1, family=np.linspace(0.01, 0.1, 50), groups=12)
+    warm = hazard.Rate(rate=0.5, low=0.4, high=0.6, family=np.linspace(0.4, 0.6, 50), groups=12)
+    quotient, low, high = hazard.ratio(cold, warm)
+    assert (quotient, low) == (0.0, 0.0)
+    assert 0.0 < high < 0.3
+    assert hazard.ratio(warm, cold)[::2] == (np.inf, np.inf)
+
+
 def test_capacities_that_are_not_known_contradict_no_curve() -> None:
     """Two of three curves end below 3, so that they may or may not have reached it there."""
     crossings = pd.DataFrame({"low": [1.0, 1.0, 2.0], "high": [2.0, np.inf, np.inf]})

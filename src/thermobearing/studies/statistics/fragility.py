@@ -70,6 +70,7 @@ from thermobearing.studies.statistics.likelihood import (
     cloud,
     counts,
     incremental,
+    least_median,
     pivoted,
     stripes,
     unreached,
@@ -402,14 +403,16 @@ class Fragility:
         median_low = median_high = dispersion_low = dispersion_high = np.nan
         # The mean of several curves is no lognormal one, and has no band of its parameters.
         is_one = len(self.parts) == 1
-        if is_one and self.estimate.outcome in (COMPLETED, NONE_BEYOND):
+        if is_one and self.estimate.outcome == NONE_BEYOND:
+            # The curves of the bound have an assumed dispersion, which the median does not need.
+            median_low, median_high = self.estimate.least_median, np.inf
+        if is_one and self.estimate.known:
             # A sample in which no run exceeds the capacity has an infinite place, and so may the
             # end of the band.
             medians = np.exp(np.minimum(self.estimate.medians, LARGEST_LOGARITHM))
             median_low, median_high = (float(end[0]) for end in self.ends(medians[:, None]))
-            if not (median_high < np.exp(LARGEST_LOGARITHM) and self.estimate.known):
+            if not median_high < np.exp(LARGEST_LOGARITHM):
                 median_high = np.inf
-        if is_one and self.estimate.known:
             ends = self.ends(self.estimate.dispersions[:, None])
             dispersion_low, dispersion_high = (float(end[0]) for end in ends)
             # Beyond half the dispersion of a flat curve, the end is that of flat curves.
@@ -645,8 +648,13 @@ def _studentised(estimate: Estimate, draw: Draw, at: Floats, level: float) -> Es
         last = np.append(np.diff(draw.groups[order]) > 0, True)
         ranks = np.random.default_rng(draw.seed).permutation(draw.samples)
         shares = (ranks + 0.5) / draw.samples
-        bounds = unreached(at[order][last], shares)
-        return replace(estimate, samples=bounds, groups=draw.count)
+        largest = at[order][last]
+        return replace(
+            estimate,
+            samples=unreached(largest, shares),
+            groups=draw.count,
+            least_median=least_median(largest, level),
+        )
     samples = pivoted(estimate.best, estimate.samples, draw.count, level)
     collapses = estimate.collapses
     if estimate.collapse is not None and collapses is not None:

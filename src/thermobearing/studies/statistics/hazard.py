@@ -25,6 +25,7 @@ from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.record import INTENSITY_UNITS
 from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility, describe_few
+from thermobearing.studies.statistics.likelihood import UNREACHED
 from thermobearing.tables.columns import plain_title, read_columns
 
 # Names of the curve over all temperatures: of a climate or weather, or of a distribution.
@@ -37,6 +38,11 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step
 # that larger intensities than the last may add.
 TOO_LATE, TOO_EARLY = 0.01, 0.05
 RATE_OF_MISFIT = "the rate is that of a curve that contradicts its own runs"
+
+RATE_OF_NONE = (
+    "no run exceeds the capacity: the upper bound of the rate assumes a dispersion of "
+    f"{UNREACHED:g} of the capacity"
+)
 
 
 @dataclass(frozen=True)
@@ -172,6 +178,8 @@ def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
         )
     if curve.misfit:
         notes.append(RATE_OF_MISFIT)
+    if rate == 0.0:
+        notes.append(RATE_OF_NONE)
     return Rate(
         rate=rate,
         low=float(low[0]) if rate != 0.0 else 0.0,
@@ -196,7 +204,9 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     if len(finite) == 0:
         return float(ratios[-1]), np.nan, np.nan
     low, high = percentiles(finite[:, None], widened(level, rate.groups))
-    return float(ratios[-1]), float(low[0]), float(high[0])
+    # A rate of zero has curves of its bound in place of a bootstrap, which lie above it.
+    lowest = 0.0 if rate.rate == 0.0 else float(low[0])
+    return float(ratios[-1]), lowest, np.inf if to.rate == 0.0 else float(high[0])
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:

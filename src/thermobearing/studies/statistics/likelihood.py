@@ -269,6 +269,21 @@ def unreached(largest: Floats, shares: Floats) -> Curves:
     return Curves(np.interp(np.log(shares), none, place), np.full(len(shares), 1.0 / UNREACHED))
 
 
+def least_median(largest: Floats, level: float) -> float:
+    """Return the intensity above which the median is, if no motion exceeds the capacity.
+
+    `largest`: largest intensity of each motion. Below the median each motion exceeds the capacity
+    with a probability of one half or less, so that n motions of which none does exclude a median
+    at or below the smallest of their largest intensities, if 1 / 2^n is not above the probability
+    outside one end of the band (sign test: six motions at 95 %). NaN of fewer motions.
+
+    >>> least_median(np.array([3.0, 3.0, 3.0, 3.0, 2.0, 2.0, 1.0]), 0.95)
+    2.0
+    """
+    needed = int(np.ceil(np.log2(2.0 / (1.0 - level))))
+    return float(np.sort(largest)[-needed]) if len(largest) >= needed else np.nan
+
+
 class _Capacities(NamedTuple):
     """Logarithms of capacities: values, and bounds of those that are known to lie between two."""
 
@@ -374,6 +389,7 @@ class Estimate:
     # the estimate with the curves as the bootstrap drew them, where `samples` are pivots
     drawn: "Estimate | None" = None
     groups: int = 0  # that the bootstrap draws from; 0 where it does not matter
+    least_median: float = np.nan  # intensity; lower end of the median where no run is beyond
     between: int = 0  # number of curves of IDA whose capacity is known to lie between two runs
     ratio: float = 1.0  # of the intensities of such runs, if these are most of the curves
 
