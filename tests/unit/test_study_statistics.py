@@ -159,7 +159,7 @@ def test_a_cloud_is_compared_with_the_exceedances_of_its_own_runs() -> None:
         for table in (straight, kinked)
     )
     assert of_straight.misfit == ""
-    at, beyond, runs, low, high = of_kinked.contradiction or pytest.fail("the kink is not noticed")
+    at, _, beyond, runs, low, high = of_kinked.contradiction or pytest.fail("the kink is not noticed")
     assert (of_straight.outcome, of_kinked.outcome) == ("completed", "contradicted")
     row = of_kinked.counts[np.isclose(of_kinked.counts["Sa_m_s2"], at)].iloc[0]
     assert (row["runs"], row["beyond"]) == (runs, beyond)
@@ -206,8 +206,8 @@ def test_shares_that_do_not_follow_one_lognormal_curve_contradict_it(method: Any
     assert worst["low"] == binom.ppf(tail, 120, share)
     assert worst["high"] == binom.ppf(1.0 - tail, 120, share)
     assert "dispersion" in repr(curve)
-    assert find_half(curve.comparison, "im") == (1.0, 2.0)
-    assert find_half(curve.comparison[1:], "im") is None
+    assert find_half(curve.comparison) == (1.0, 2.0)
+    assert find_half(curve.comparison[1:]) is None
     fewer = fragility_curve(
         table[table["motion"] % 10 == 0], "drift", 1.0, "im", method=method, samples=5
     )
@@ -250,11 +250,50 @@ def test_capacities_that_are_not_known_contradict_no_curve() -> None:
     many = pd.concat([crossings] * 40)
     at = reached_counts(many, np.array([1.0, 2.0, 3.0]), "im")
     surely = compare_counts(at, "im", lambda im: np.where(np.asarray(im) > 2.5, 0.99, 0.4), 0.95)
-    assert find_contradiction(surely.iloc[[2]], "im") is None
+    assert find_contradiction(surely.iloc[[2]]) is None
     never = compare_counts(at, "im", lambda im: np.full(len(im), 0.01), 0.95)
-    found = find_contradiction(never, "im") or pytest.fail("one third exceed")
+    found = find_contradiction(never) or pytest.fail("one third exceed")
     assert (found.beyond, found.runs) == (40, 120)
     assert len(reached_counts(crossings, np.geomspace(1.0, 9.0, 200), "im")) == 10
+
+
+def many_levels(runs: int) -> pd.DataFrame:
+    """Thirteen levels of the intensity 1 to 13, of which all runs exceed the capacity above 5."""
+    motion, im = np.repeat(np.arange(runs), 13), np.tile(np.arange(1.0, 14.0), runs)
+    return pd.DataFrame({"motion": motion, "im": im, "drift": np.where(im > 5.0, 2.0, 0.1)})
+
+
+@pytest.mark.parametrize("method", ["stripes", "ida", "cloud"])
+def test_counts_of_many_levels_are_those_of_each_level(method: Any) -> None:
+    table = many_levels(4)
+    table["drift"] *= 1.0 + 0.1 * table["motion"]
+    table.loc[(table["im"] == 6.0) & (table["motion"] < 2), "drift"] = 0.5
+    curve = fragility_curve(table, "drift", 1.0, "im", method=method, samples=5)
+    compared = curve.comparison
+    assert_allclose(compared["im"], np.arange(1.0, 14.0))
+    assert compared["first"].tolist() == compared["last"].tolist() == list(range(1, 14))
+    assert compared["beyond"].tolist() == [0, 0, 0, 0, 0, 2, *[4] * 7]
+    assert find_half(compared) == (5.0, 6.0)
+    tail = 0.025 / 13
+    share = float(curve.probability([6.0])[0])
+    row = compared.iloc[5]
+    assert (row["low"], row["high"]) == (binom.ppf(tail, 4, share), binom.ppf(1 - tail, 4, share))
+
+
+@pytest.mark.parametrize("runs", [100, 1000])  # above 200 in classes of their own
+def test_counts_of_drawn_intensities_are_in_ten_classes_with_their_ends(runs: int) -> None:
+    im = np.random.default_rng(1).uniform(1.0, 9.0, runs)
+    beyond = im > np.random.default_rng(2).uniform(3.0, 7.0, runs)
+    table = pd.DataFrame({"motion": range(runs), "im": im, "drift": np.where(beyond, 2.0, 0.1)})
+    compared = fragility_curve(table, "drift", 1.0, "im", samples=5).comparison
+    ordered = np.sort(im).reshape(10, -1)
+    assert compared["runs"].tolist() == [runs // 10] * 10
+    assert_allclose(compared["first"], ordered[:, 0])
+    assert_allclose(compared["last"], ordered[:, -1])
+    low, high = find_half(compared) or pytest.fail("half exceed at the largest")
+    shares = (compared["beyond"] / compared["runs"]).to_numpy()
+    k = int((shares >= 0.5).argmax())
+    assert (low, high) == (ordered[k - 1, 0], ordered[k, -1])
 
 
 @pytest.mark.parametrize(("share", "contradicts"), [(0.54, False), (0.56, True), (0.44, True)])
@@ -265,7 +304,7 @@ def test_small_differences_of_very_many_runs_contradict_no_curve(
     counts = pd.DataFrame({"im": [1.0], "runs": [runs], "beyond": [int(share * runs)]})
     compared = compare_counts(counts, "im", lambda im: np.full(len(im), 0.5), 0.95)
     assert not compared["low"][0] <= counts["beyond"][0] <= compared["high"][0]
-    assert (find_contradiction(compared, "im") is not None) == contradicts
+    assert (find_contradiction(compared) is not None) == contradicts
 
 
 def test_the_mean_of_curves_that_contradict_their_runs_does_so_too() -> None:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 NAMES = {"ambient_degC": "ambient temperature", "hour": "hour of the weather"}
 OF_CHOSEN = "Shares are those of the levels and distributions that were chosen for the factors."
 TOO_FEW = "too few"  # motions or levels for a number
+DECIMALS_OF_SHARES = 4  # of a curve, far finer than the shares of its runs
+OF_CURVE = ["probability", "low", "high"]  # columns of counts that a curve has
 DISPERSION_BANDS = ("dispersion_low", "dispersion_high")
 RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
@@ -447,21 +449,30 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
 def _count_tables(
     curves: Mapping[Any, Fragility], part: "StudyResult", name: str
 ) -> dict[str, Table]:
-    """Return the counts of curves that contradict their runs, which are to be used instead."""
-    rows = [
-        curve.comparison.assign(name=temperature_words(level))
-        for level, curve in curves.items()
-        if curve.contradiction
-    ]
-    if not rows:
-        return {}
-    counts = pd.concat(rows, ignore_index=True)
-    counts["share"] = counts["beyond"] / counts["runs"]
-    columns = ["name", part.intensity, "runs", "beyond", "share", "probability", "low", "high"]
+    """Return the counts of each curve, which are to be used in place of one that they contradict.
+
+    Without a curve of its own, a temperature has its counts alone.
+    """
+    rows = []
+    for level, curve in curves.items():
+        if len(curve.parts) > 1:
+            continue
+        counts = curve.comparison.assign(name=temperature_words(level))
+        counts["share"] = counts["beyond"] / counts["runs"]
+        counts["probability"] = counts["probability"].round(DECIMALS_OF_SHARES)
+        if not curve.estimate.known:
+            counts[OF_CURVE] = np.nan
+        rows.append(counts[["name", "first", "last", "runs", "beyond", "share", *OF_CURVE]])
+    frame = pd.concat(rows, ignore_index=True)
+    if (frame["first"] == frame["last"]).all():
+        frame = frame.drop(columns="last")
     of, ending = (f", {name}", f"-{name}") if name else ("", "")
     level = percent(next(iter(curves.values())).level)
+    im, unit = column_words(part.intensity), find_unit(part.intensity)
     heads = {
         "name": _head(column_words(AMBIENT)),
+        "first": f"{im}, from" if "last" in frame else im,
+        "last": f"{im}, to",
         "runs": "Single curves" if part.question.method == "ida" else "Runs",
         "beyond": "Exceedances",
         "share": "Share of exceedances",
@@ -469,9 +480,11 @@ def _count_tables(
         "low": "Exceedances of the curve, low",
         "high": "Exceedances of the curve, high",
     }
-    caption = f"Counts of runs that contradict their curve{of}"
-    note = f"The ends are those of binomial intervals, {level} for all intensities together."
-    return {f"counts{ending}": _table(counts[columns], caption, heads=heads, note=note)}
+    wrong = joined(temperature_words(name) for name, curve in curves.items() if curve.contradiction)
+    note = f"The ends are those of binomial intervals, {level} for all counts of a curve together."
+    note += f" Counts contradict the curve: {wrong}." if wrong else ""
+    caption, units = f"Counts of runs and share of their curve{of}", {"first": unit, "last": unit}
+    return {f"counts{ending}": _table(frame, caption, units=units, heads=heads, note=note)}
 
 
 def _curve_notes(

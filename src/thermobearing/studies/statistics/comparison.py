@@ -1,10 +1,10 @@
 """Comparison of a fragility curve with the exceedances of its own runs.
 
-At each intensity, or in ten classes of intensities where there are more, the number of exceedances
-is compared with the binomial interval of the curve. The intervals contain the counts of all classes
-together with the confidence of the bands (Bonferroni), if the runs are independent. Counts of
-stripes and of a cloud are those of runs; of IDA those of the single curves that have reached the
-capacity, whose shares are the empirical distribution of their capacities.
+At each level of the intensity, or in ten classes where more than ten intensities are drawn, the
+number of exceedances is compared with the binomial interval of the curve. The intervals contain
+all counts together with the confidence of the bands (Bonferroni), if the runs are independent.
+Counts of stripes and of a cloud are those of runs; of IDA those of the single curves that have
+reached the capacity, whose shares are the empirical distribution of their capacities.
 """
 
 from collections.abc import Callable
@@ -15,32 +15,42 @@ import scipy
 
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
+from thermobearing.studies.statistics.ida import LEAST_AT_LEVEL
 
 CONTRADICTED = "contradicted"  # outcome of a curve whose own runs are unlikely
 # Of shares, our choice: of very many runs, smaller differences are significant and do not matter.
 LEAST_DIFFERENCE = 0.05
-MOST_COMPARED = 10  # classes of intensities in which a curve is compared with the counts
+MOST_COMPARED = 10  # classes of drawn intensities in which a curve is compared with the counts
 
 
 class Contradiction(NamedTuple):
     """The count of runs that is furthest from a curve, outside the interval of the curve."""
 
-    intensity: float
+    first: float  # intensity of the runs, of a class the smallest and the largest
+    last: float
     beyond: int
     runs: int
     low: int  # ends of the binomial interval
     high: int
 
 
+def are_levels(runs: Any) -> bool:
+    """Return whether intensities with such numbers of runs are levels, not drawn ones.
+
+    Of a level some runs may be left out, so that half of the intensities may have fewer.
+    """
+    return bool(np.median(runs) >= LEAST_AT_LEVEL)
+
+
 def reached_counts(crossings: "pd.DataFrame", levels: Floats, name: str) -> "pd.DataFrame":
     """Return how many curves of IDA have reached a capacity at intensities of their runs.
 
-    `crossings` is from `Ida.crossings`. Of more than ten levels, ten of equal distance in rank are
-    taken. `beyond` are the curves that have reached the capacity, `most` also those whose capacity
-    may be below or above: it lies between two of their runs, or above the last of them.
+    `crossings` is from `Ida.crossings`. Of more than ten drawn intensities, ten of equal distance
+    in rank are taken. `beyond` are the curves that have reached the capacity, `most` also those
+    whose capacity may be below or above: it lies between two of their runs, or above the last.
     """
-    levels = np.unique(levels)
-    if len(levels) > MOST_COMPARED:
+    levels, runs_at = np.unique(levels, return_counts=True)
+    if len(levels) > MOST_COMPARED and not are_levels(runs_at):
         ranks = (np.arange(MOST_COMPARED) + 0.5) * len(levels) / MOST_COMPARED
         levels = levels[ranks.astype(int)]
     low, high = (crossings[end].to_numpy(dtype=float)[None, :] for end in ("low", "high"))
@@ -54,29 +64,37 @@ def reached_counts(crossings: "pd.DataFrame", levels: Floats, name: str) -> "pd.
 def compare_counts(
     counts: "pd.DataFrame", name: str, probability: Callable[[Any], Floats], level: float
 ) -> "pd.DataFrame":
-    """Return counts in at most ten classes with the share of a curve and its binomial interval.
+    """Return counts of levels or classes with the share of a curve and its binomial interval.
+
+    Drawn intensities form at most ten classes of the same number of intensities, by more or less
+    one; each level of more is a row of its own, since a class would have no intensity of a run.
 
     Parameters
     ----------
     counts : DataFrame
         The intensity `name`, numbers of `runs` and of those `beyond` the capacity; `most` is the
-        largest number that may be beyond, where that is not known of all.
+        largest number that may be beyond, where that is not known of all, `first` and `last` are
+        the smallest and the largest intensity of the runs, where they differ.
     name : str
         Column of the intensity.
     probability : callable
         Probability of exceedance of the curve at intensities.
     level : float
-        Confidence of the intervals of all classes together.
+        Confidence of the intervals of all rows together.
 
     Returns
     -------
     DataFrame
-        A row for each class: mean intensity, `runs`, `beyond`, `most`, the mean `probability` of
-        the curve, and the ends `low` and `high` of the interval, as numbers of runs.
+        A row for each level or class: its mean intensity, the `first` and the `last` of its runs,
+        `runs`, `beyond`, `most`, the mean `probability` of the curve, and the ends `low` and `high`
+        of the interval, as numbers of runs.
     """
     at, runs, beyond = (counts[column].to_numpy(dtype=float) for column in (name, "runs", "beyond"))
     most = counts["most"].to_numpy(dtype=float) if "most" in counts else beyond
-    parts = np.array_split(np.arange(len(at)), min(len(at), MOST_COMPARED))
+    first, last = (counts[end if end in counts else name] for end in ("first", "last"))
+    has_levels = are_levels(np.where(first == last, runs, 0.0))
+    rows_wanted = len(at) if has_levels else min(len(at), MOST_COMPARED)
+    parts = np.array_split(np.arange(len(at)), rows_wanted)
     tail = 0.5 * (1.0 - level) / len(parts)
     rows = []
     for part in parts:
@@ -86,13 +104,14 @@ def compare_counts(
         below = scipy.special.bdtr(possible, total, share)  # probability of at most so many
         low, high = (int(np.argmax(below >= end)) for end in (tail, 1.0 - tail))
         mean = float(np.exp((runs[part] * np.log(at[part])).sum() / total))
-        row = {name: mean, "runs": total, "beyond": int(beyond[part].sum())}
+        row = {name: mean, "first": float(first.iloc[part[0]]), "last": float(last.iloc[part[-1]])}
+        row |= {"runs": total, "beyond": int(beyond[part].sum())}
         row |= {"most": int(most[part].sum()), "probability": share, "low": low, "high": high}
         rows.append(row)
     return pd.DataFrame(rows)
 
 
-def find_contradiction(comparison: "pd.DataFrame", name: str) -> Contradiction | None:
+def find_contradiction(comparison: "pd.DataFrame") -> Contradiction | None:
     """Return the count that is furthest outside the interval of a curve; None if all are likely.
 
     `comparison` is from `compare_counts`. Of a count that is not known, the nearest possible number
@@ -104,18 +123,19 @@ def find_contradiction(comparison: "pd.DataFrame", name: str) -> Contradiction |
         distance = abs(beyond / row["runs"] - row["probability"])
         if distance > LEAST_DIFFERENCE and not row["low"] <= beyond <= row["high"]:
             numbers = (int(row["runs"]), int(row["low"]), int(row["high"]))
-            unlikely.append((distance, Contradiction(float(row[name]), beyond, *numbers)))
+            ends = float(row["first"]), float(row["last"])
+            unlikely.append((distance, Contradiction(*ends, beyond, *numbers)))
     return max(unlikely)[1] if unlikely else None
 
 
-def find_half(comparison: "pd.DataFrame", name: str) -> tuple[float, float] | None:
+def find_half(comparison: "pd.DataFrame") -> tuple[float, float] | None:
     """Return the intensities between which the share of runs first passes one half; None if none.
 
-    `comparison` is from `compare_counts`.
+    `comparison` is from `compare_counts`. They are intensities of runs: two levels, or the ends of
+    two classes.
     """
     shares = (comparison["beyond"] / comparison["runs"]).to_numpy(dtype=float)
     first = int((shares >= 0.5).argmax())
     if first == 0:
         return None
-    low, high = comparison[name].iloc[[first - 1, first]]
-    return float(low), float(high)
+    return float(comparison["first"].iloc[first - 1]), float(comparison["last"].iloc[first])

@@ -140,7 +140,8 @@ class Fragility:
     parts: Sequence[tuple[float, Estimate]]
     level: float  # confidence of the bands, a share in (0, 1)
     runs: int
-    counts: "pd.DataFrame"  # for each intensity `runs` and `beyond`; many intensities in classes
+    # for each intensity `runs` and `beyond`; many intensities in classes from `first` to `last`
+    counts: "pd.DataFrame"
     left_out: int  # number of failed runs that are left out, that count as collapse, and that
     collapsed: int  # count with the demand that was computed
     computed: int = 0
@@ -258,7 +259,7 @@ class Fragility:
         beyond = int(self.counts["beyond"].sum())
         if self.median > 0.0 and beyond < LEAST_BEYOND:
             return f"too few exceedances: {beyond} of {self.runs} runs exceed the capacity"
-        largest = float(self.counts[self.intensity].max())
+        largest = float(self.counts["last"].max())
         if not self.median > largest:
             return ""
         return (
@@ -334,7 +335,7 @@ class Fragility:
         """The count of its own runs that contradicts one curve most; None where none does."""
         if len(self.parts) > 1 or not self.estimate.known:
             return None
-        return find_contradiction(self.comparison, self.intensity)
+        return find_contradiction(self.comparison)
 
     @property
     def misfit_words(self) -> str:
@@ -342,10 +343,11 @@ class Fragility:
         if self.contradiction is None:
             names = joined(self.contradicted)
             return f"it is the mean of curves that do ({names})" if names else ""
-        at, beyond, runs, low, high = self.contradiction
-        place = with_intensity_unit(at, UNITS.get(self.intensity, ""))
+        first, last, beyond, runs, low, high = self.contradiction
+        place = with_intensity_unit(last, UNITS.get(self.intensity, ""))
+        place = f"at {place}" if first == last else f"from {first:.4g} to {place}"
         return (
-            f"at {place} {beyond} of {runs} {self._exceeding} the capacity, where the curve has "
+            f"{place} {beyond} of {runs} {self._exceeding} the capacity, where the curve has "
             f"{low} to {high}"
         )
 
@@ -356,7 +358,7 @@ class Fragility:
     @property
     def half_words(self) -> str:
         """Between which intensities half of the runs exceed the capacity; "" if unknown."""
-        ends = None if len(self.parts) > 1 else find_half(self.comparison, self.intensity)
+        ends = None if len(self.parts) > 1 else find_half(self.comparison)
         if ends is None:
             return ""
         high = with_intensity_unit(ends[1], UNITS.get(self.intensity, ""))
@@ -370,7 +372,7 @@ class Fragility:
             return sentence
         return (
             f"{sentence} (binomial, {percent(self.level)} for all {len(self.comparison)} "
-            f"intensities together, of independent runs); "
+            f"counts together, of independent runs); "
             + "; ".join(filter(None, [self.half_words, INSTEAD[self.method]]))
         )
 
@@ -456,7 +458,9 @@ def combine_curves(
         name=name,
         parts=[(share, curve.estimate) for share, curve in weighted if share > 0.0],
         runs=sum(curve.runs for curve in fragilities),
-        counts=counts.groupby(fragilities[0].intensity, as_index=False).sum(),
+        counts=counts.groupby(fragilities[0].intensity, as_index=False).agg(
+            {"runs": "sum", "beyond": "sum", "first": "min", "last": "max"}
+        ),
         left_out=sum(curve.left_out for curve in fragilities),
         collapsed=sum(curve.collapsed for curve in fragilities),
         computed=sum(curve.computed for curve in fragilities),

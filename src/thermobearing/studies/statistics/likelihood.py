@@ -491,11 +491,15 @@ def _classes(at: Floats) -> tuple[Floats, Ints]:
 
 
 def counts(at: Floats, beyond: Bools, name: str) -> "pd.DataFrame":
-    """Return the numbers of runs and of exceedances at each intensity or class."""
+    """Return the numbers of runs and of exceedances at each intensity or class, with its ends."""
     levels, place = _classes(at)
     runs = np.bincount(place, minlength=len(levels))
     over = np.bincount(place, beyond, minlength=len(levels)).astype(int)
-    return pd.DataFrame({name: levels, "runs": runs, "beyond": over})
+    first, last = np.full((2, len(levels)), [[np.inf], [-np.inf]])
+    np.minimum.at(first, place, at)
+    np.maximum.at(last, place, at)
+    ends = {"first": first, "last": last}
+    return pd.DataFrame({name: levels, "runs": runs, "beyond": over} | ends)
 
 
 def _counted(
