@@ -159,7 +159,8 @@ def test_a_cloud_is_compared_with_the_exceedances_of_its_own_runs() -> None:
         for table in (straight, kinked)
     )
     assert of_straight.misfit == ""
-    at, _, beyond, runs, low, high = of_kinked.contradiction or pytest.fail("the kink is not noticed")
+    contradiction = of_kinked.contradiction or pytest.fail("the kink is not noticed")
+    at, _, beyond, runs, low, high = contradiction
     assert (of_straight.outcome, of_kinked.outcome) == ("completed", "contradicted")
     row = of_kinked.counts[np.isclose(of_kinked.counts["Sa_m_s2"], at)].iloc[0]
     assert (row["runs"], row["beyond"]) == (runs, beyond)

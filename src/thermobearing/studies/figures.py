@@ -144,7 +144,7 @@ def _where_finite(values: "pd.Series", share: float, runs: Counted) -> str:
 POINTS = 160
 FRAGILITY_NOTE = 95  # letters of a line above the panel
 FRAGILITY_ROOM = 1.1  # right end of the curves over the largest intensity of the runs
-MARK_STEP = 0.01  # between marks of two temperatures, of the width
+LARGEST_MARK, SMALLEST_MARK = 8.0, 3.5  # diameters of the marks of the temperatures
 MOST_MARKS, MARKS = 40, 15  # intensities with a mark each; classes of more
 
 
@@ -164,22 +164,23 @@ def _draw_fragility(
         [curve.counts[curve.intensity].to_numpy() for curve in curves.values()]
     )
     im = np.linspace(0.0, FRAGILITY_ROOM * float(intensities.max()), POINTS + 1)[1:]
-    shifts = MARK_STEP * float(im[-1]) * (np.arange(len(curves)) - 0.5 * (len(curves) - 1))
     estimated = [name for name, curve in curves.items() if curve.has_median]
     ends = {*estimated[:1], *estimated[-1:]}
     banded = {_label(name): curves[name] for name in curves if name in ends}
-    for (name, curve), colour, shift in zip(
-        curves.items(), _level_colours(list(curves)), shifts, strict=True
+    # Open marks, the first the largest: those of the same share lie inside each other.
+    sizes = np.linspace(LARGEST_MARK, SMALLEST_MARK, len(curves))
+    for (name, curve), colour, size in zip(
+        curves.items(), _level_colours(list(curves)), sizes, strict=True
     ):
         # Bands of all would lie over each other; those of the ends compare cold and warm.
         _curve(ax, curve, im, colour, _label(name), banded=name in ends)
-        _marks(ax, curve, colour, len(curves), float(shift))
+        _marks(ax, curve, colour, float(size))
     if climate is not None:
         _curve(ax, climate, im, drawing.INK, climate.name)
         if climate.has_median:
             banded[climate.name] = climate
-    side_by_side = " (side by side)" * (len(curves) > 1)
-    ax.plot([], [], "o", color=drawing.GREY, markersize=3.5, label=f"share of runs{side_by_side}")
+    share: drawing.Look = {"marker": "o", "linestyle": "none", "markerfacecolor": "none"}
+    ax.plot([], [], color=drawing.GREY, markersize=SMALLEST_MARK, label="share of runs", **share)
     ax.set_xlim(0.0, float(im[-1]))
     ax.set_ylim(-0.02, 1.02)
     drawing.name_axes(ax, intensity, "probability of exceedance")
@@ -239,16 +240,18 @@ def _curve(
     ax.plot(im, curve.probability(im), label=label, **look)
 
 
-def _marks(ax: Axes, curve: Fragility, colour: str, count: int, shift: float) -> None:
+def _marks(ax: Axes, curve: Fragility, colour: str, size: float) -> None:
+    """Draw the shares of runs at their intensities as open marks of a size."""
     counts = curve.counts
     if len(counts) > MOST_MARKS:
         sums = counts.groupby(equal_classes(counts[curve.intensity].to_numpy(), MARKS))
         counts = (
             sums[["runs", "beyond"]].sum().assign(**{curve.intensity: sums[curve.intensity].mean()})
         )
-    at, share = counts[curve.intensity] + shift, counts["beyond"] / counts["runs"]
+    at, share = counts[curve.intensity], counts["beyond"] / counts["runs"]
     look: drawing.Look = {"color": colour, "linestyle": "none", "marker": "o"}
-    ax.plot(at, share, markersize=3.5 if count < 6 else 2.5, alpha=0.8, **look)
+    look |= {"markersize": size, "markerfacecolor": "none", "markeredgewidth": 1.0}
+    ax.plot(at, share, **look)
 
 
 LOOKS = dict(zip(FRACTILES, (":", "-", "--"), strict=True))

@@ -156,26 +156,43 @@ def answer(result: "StudyResult") -> list[str]:
         sentences += medians
     if result.question.hazard is not None:
         for prefix, part in parts.items():
-            curves, rates = part.find_rates()
-            row = part.rates_table(curves, rates).iloc[-1]
-            where = temperature_words(row["name"])
-            if row["name"] in TOGETHER:
-                where = _over(row["name"])
-            period = _period(rates[row["name"]])
-            warm = temperature_words(list(curves)[-1])
-            ratio = ""
-            if 0.0 < row["over_reference"] < np.inf and temperature_words(row["name"]) != warm:
-                ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
-                # Too few motions have no band.
-                if not rates[row["name"]].few_motions:
-                    ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
-            where = where if prefix else _head(where)
-            if row["outcome"] == CONTRADICTED:
-                ratio += f", of a curve that is {CONTRADICTED} by its own runs"
-            sentences.append(f"{prefix}{where}: {period}{ratio}.")
+            sentences += _rate_sentences(part, prefix)
     return sentences
 
 
+def _rate_sentences(part: "StudyResult", prefix: str) -> list[str]:
+    """Return the annual rate over all temperatures, or those of the governing and the warmest.
+
+    The governing temperature has the largest rate.
+    """
+    curves, rates = part.find_rates()
+    table = part.rates_table(curves, rates)
+    rows, warm = [table.iloc[-1]], temperature_words(list(curves)[-1])
+    largest = table["rate"].fillna(0.0).argmax()
+    if rows[0]["name"] not in TOGETHER and table["rate"].iloc[largest] > rows[0]["rate"]:
+        rows.insert(0, table.iloc[largest])
+    sentences = []
+    for row in rows:
+        where = temperature_words(row["name"])
+        if row["name"] in TOGETHER:
+            where = _over(row["name"])
+        elif len(rows) > 1 and not sentences:
+            where += ", which governs"
+        period = _period(rates[row["name"]])
+        ratio = ""
+        if 0.0 < row["over_reference"] < np.inf and temperature_words(row["name"]) != warm:
+            ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
+            # Too few motions have no band.
+            if not rates[row["name"]].few_motions:
+                ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
+        where = where if prefix else _head(where)
+        if row["outcome"] == CONTRADICTED:
+            ratio += f", of a curve that is {CONTRADICTED} by its own runs"
+        sentences.append(f"{prefix}{where}: {period}{ratio}.")
+    return sentences
+
+
+LONGEST_PERIOD = 1e6  # [year] that is written without a power of ten
 MOST_STATED = 10  # levels of the intensity whose medians a sentence has
 
 
@@ -280,11 +297,17 @@ def _period(rate: Rate) -> str:
     if np.isnan(rate.rate):
         return "there is no fragility curve; see the tables"
     if rate.rate == 0.0:
-        bound = f": the return period is at least {1.0 / rate.high:.3g} years"
+        bound = f": the return period is at least {_years(1.0 / rate.high)} years"
         return f"no run exceeds the capacity{bound if rate.high > 0.0 else ''}"
-    last = f" to {1.0 / rate.low:.3g}" if rate.low > 0.0 else " or more"
-    band = rate.few_motions or f"{1.0 / rate.high:.3g}{last}"
-    return f"exceeded once in {rate.return_period:.3g} years ({band})"
+    last = f" to {_years(1.0 / rate.low)}" if rate.low > 0.0 else " or more"
+    band = rate.few_motions or f"{_years(1.0 / rate.high)}{last}"
+    return f"exceeded once in {_years(rate.return_period)} years ({band})"
+
+
+def _years(period: float) -> str:
+    """Return a return period with three digits, "5810"; of a million years or more with a power."""
+    rounded = f"{period:.3g}"
+    return f"{float(rounded):.0f}" if 1000.0 <= period < LONGEST_PERIOD else rounded
 
 
 def column_units(result: "StudyResult") -> dict[str, str]:
@@ -338,7 +361,7 @@ def _demand_table(result: "StudyResult") -> Table:
 
 
 def between_words(least: "pd.Series", most: "pd.Series") -> "pd.Series":
-    """Return numbers where bounds are equal, and words where runs that stopped leave a range."""
+    """Return numbers where bounds are equal, and words where failed runs leave a range."""
     texts = most.astype(object)
     for row in np.flatnonzero(np.isfinite(least) & (least != most)).tolist():
         low, high = float(least.iloc[row]), float(most.iloc[row])
@@ -382,7 +405,11 @@ def worst_table(result: "StudyResult", worst: "pd.DataFrame") -> Table:
     if stopped.any():
         last_values = [f"at least {number(value, '.4g')}" for value in worst[by]]
         rows[by] = rows[by].astype(object).where(~stopped, last_values)
-        note = "Runs that stopped have a demand of at least their last value."
+        note = (
+            f"Runs whose lead melted or whose bearing passed {percent(LARGEST_STRAIN)} strain have "
+            "a demand of at least "
+            "their recorded value."
+        )
     return _table(rows, caption, units=column_units(result), note=note)
 
 

@@ -205,7 +205,7 @@ def describe_failures(
         return f"{runs} runs, none failed"
     counts = {
         "counted with the computed demand": computed,
-        "counted as larger than their last value": larger,
+        "counted as larger than their recorded value": larger,
         "left out": left_out,
         "counted as collapse": collapsed - larger,
     }
@@ -227,8 +227,9 @@ def failure_rule(demand: str, failed: Failed) -> str:
     if failed == COMPUTED:
         computed = "A run whose pier exceeded its limits counts with the demand that was computed."
         return (
-            f"{of_pier if is_of_pier(demand) else computed} A run that stopped early counts as "
-            "larger than its last value. A fragility of a capacity above that value leaves it out "
+            f"{of_pier if is_of_pier(demand) else computed} A run whose lead melted or whose "
+            f"bearing passed {percent(LARGEST_STRAIN)} strain counts as larger than its recorded "
+            "value. A fragility of a capacity above that value leaves it out "
             '(failed = "computed"; others are "left-out" and "collapse").'
         )
     pier = (
@@ -328,9 +329,10 @@ def _computed_to_the_end(table: "pd.DataFrame") -> NDArray[np.bool_]:
 
 
 def stopped_runs(table: "pd.DataFrame") -> NDArray[np.bool_]:
-    """Return which runs ended early at a limit of a bearing, with peaks that are valid until then.
+    """Return which runs passed a limit of a bearing, with peaks that are valid until then.
 
-    Of a run that is not physical only a torn bearing leaves valid peaks: temperatures that do not
+    One whose lead melts ends there; a torn one goes on to its end, as if it were not torn. Of a
+    run that is not physical only a torn bearing leaves valid peaks: temperatures that do not
     exist and energy that is missing say that the numbers are wrong.
     """
     stopped = np.asarray(table[OUTCOME] == MELTED, dtype=bool)

@@ -191,7 +191,7 @@ class Lost(NamedTuple):
         sentences = [f"{self.total - self.missing} {self.unit}, {self.missing} failed and left out"]
         if self.many:
             sentences += [
-                "Runs that stop early have the largest demands",
+                "Runs beyond a limit of their bearing have the largest demands",
                 "These are missing in the shares, and bands do not contain that error",
             ]
         return ". ".join(filter(None, [*sentences, self.concentration]))
