@@ -17,7 +17,8 @@ from thermobearing.studies.report import write_pelicun
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.demand import counted, worst_runs
 from thermobearing.studies.statistics.fragility import OUTCOMES
-from thermobearing.studies.tables import count_failures, result_tables, worst_table
+from thermobearing.studies.statistics.hazard import Rate
+from thermobearing.studies.tables import _period, count_failures, result_tables, worst_table
 
 COLD = -20.0
 ROOT = Path(__file__).parents[2]
@@ -155,6 +156,63 @@ def test_a_curve_is_of_one_temperature_unless_all_are_asked_for() -> None:
     assert drawn(paired=False).fragility(1.0, samples=5).runs == drawn(paired=False).runs
     by = made_up().fragilities(1.0, by="bearing", temperature=COLD, samples=5)
     assert by["shen-hdr-bridge"].median == cold.median
+
+
+def test_ida_curves_are_of_one_temperature_unless_all_are_asked_for() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    with pytest.raises(InputError, match=r'temperature = -20 or 0 or 23 .*"pooled"'):
+        part.ida()
+    assert len(part.ida(temperature=COLD).curves) == 6
+    assert len(part.ida(temperature="pooled").curves) == 18
+
+
+def test_the_figure_of_ida_has_the_median_of_each_temperature_at_the_capacity() -> None:
+    result = ask(made_up().parts()["shen-hdr-bridge"], capacity=1.0, method="ida")
+    panels = [ax for ax in result.plot.ida().axes if ax.get_visible()]
+    for ax, curve in zip(panels, result.find_curves()[0].values(), strict=True):
+        (mark,) = [line for line in ax.lines if line.get_marker() == "D"]
+        assert_allclose([*mark.get_xdata(), *mark.get_ydata()], [1.0, curve.median])
+
+
+def test_rates_name_the_governing_temperature_first_and_the_warmest() -> None:
+    levels = ask(made_up().parts()["shen-hdr-bridge"], capacity=1.0, hazard=HAZARD)
+    rates = levels.find_rates()[1]
+    assert rates[COLD].rate == max(rate.rate for rate in rates.values())
+    sentences = [text for text in levels.notes() if "years" in text]
+    assert [text.partition(" °C")[0] for text in sentences] == ["−20", "23"]
+    # Over a climate its rate is the answer, which no temperature governs alone.
+    climate = ask(levels, np.linspace(COLD, 23.0, 50), capacity=1.0, hazard=HAZARD)
+    assert sum("years" in text for text in climate.notes()) == 1
+
+
+@pytest.mark.parametrize(
+    ("years", "stated"),
+    [(5812.0, "5810"), (14.26, "14.3"), (123456.0, "123000"), (2.345e7, "2.34e+07")],
+)
+def test_return_periods_have_three_digits(years: float, stated: str) -> None:
+    rate = Rate(1.0 / years, 0.5 / years, 2.0 / years, np.ones(3), groups=12)
+    assert f"in {stated} years" in _period(rate)
+
+
+def test_a_demand_without_bands_says_why() -> None:
+    part = made_up().parts()["shen-hdr-bridge"]
+    strongest = part.table["scale"] > 0.4
+    table = part.table.assign(outcome=np.where(strongest, "pier_beyond_limit", "completed"))
+    result = StudyResult(table.assign(pier_ductility=0.5), part.study, part.manifest)
+    note = result.plot.demand().legends[0].get_title().get_text().replace("\n", " ")
+    assert "no band 5 to 95 % and 16 to 84 % of runs" in note
+    full = StudyResult(
+        table.assign(pier_ductility=0.5, outcome="completed"), part.study, part.manifest
+    )
+    assert "no band" not in full.plot.demand().legends[0].get_title().get_text()
+
+
+def test_medians_of_few_motions_say_how_many_a_band_needs() -> None:
+    few = made_up().parts()["shen-hdr-bridge"].select(motion=["jra-ii-i-1", "jra-ii-i-2"])
+    table = result_tables(few)["demand"]
+    assert table.rows[0][-2:] == ["too few", "too few"]
+    assert "fewer than 5 motions" in table.note
+    assert "motions" not in result_tables(made_up())["demand"].note
 
 
 def test_the_documents_have_every_outcome_of_a_curve() -> None:

@@ -345,6 +345,7 @@ def lognormal(median: float, dispersion: float, others: int = 1) -> Fragility:
     estimate = Estimate(Curves(place, slope), Curves(place + spread, np.repeat(slope, others)))
     # At the median, where each count of one run is likely.
     counts = pd.DataFrame({"im": [median], "runs": [1], "beyond": [0]})
+    counts = counts.assign(first=median, last=median)
     return Fragility("", "stripes", "drift", "im", 1.0, [(1.0, estimate)], 0.95, 1, counts, 0, 0)
 
 
@@ -517,7 +518,12 @@ def test_samples_that_make_a_wide_band_narrow() -> None:
     for rows in (64, 1024):
         values = arranged(rows, np.random.default_rng(rows), sobol=False)
         indices = sobol_table(as_table(values), "drift")
-        widths[rows] = (indices["first_high"] - indices["first_low"]).max(), wide_note(indices)
+        note = wide_note(indices[[name for name in indices if not name.startswith("total")]])
+        widths[rows] = (indices["first_high"] - indices["first_low"]).max(), note
+        of_totals = (indices["total_high"] - indices["total_low"]).max()
+        stated = wide_note(indices).partition("total up to ")[2]
+        assert bool(stated) == (of_totals > WIDE)
+        assert stated.startswith(f"{of_totals:.2f}" * bool(stated))
     assert widths[64][0] > WIDE
     needed = int(widths[64][1].partition("some ")[2].split()[0])
     assert needed >= 64 * (widths[64][0] / WIDE) ** 2 > 0.5 * needed

@@ -2,6 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import LogLocator
 
+from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats
 from thermobearing.motions.spectrum import DAMPING
 from thermobearing.quantities.governing import order_from_least
 from thermobearing.quantities.words import joined
 from thermobearing.results import drawing
+from thermobearing.studies.curves import Temperature
 from thermobearing.studies.definition.designs import AMBIENT
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics.comparison import CONTRADICTED
@@ -93,7 +96,7 @@ def _draw_demand(
             rows[name].to_numpy(dtype=float) for name in ("median_low", "0.5", "median_high")
         )
         finite = np.isfinite(lowest) & np.isfinite(highest)
-        reach = [(median - lowest)[finite], (highest - median)[finite]]
+        reach = [median[finite] - lowest[finite], highest[finite] - median[finite]]
         name = "median, 95 % band" if finite.any() else "median"
         points: drawing.Look = {"marker": "o", "markersize": 3, "label": name}
         ax.plot(x, median, color=COLOUR, linewidth=1.4, **points)
@@ -121,9 +124,25 @@ def _draw_demand(
     top = values[np.isfinite(values)].max(initial=0.0)
     largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
     axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
-    pooled = pooled_words(result).removeprefix(", ")
-    _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, [pooled, runs.sentence])))
+    notes = [
+        pooled_words(result).removeprefix(", "),
+        runs.sentence,
+        _missing_bands(quantiles, axes),
+    ]
+    _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, notes)))
     return figure
+
+
+def _missing_bands(quantiles: "pd.DataFrame", axes: Sequence[Axes]) -> str:
+    """Return which bands of fractiles no panel has because of failed runs; "" if none lacks."""
+    labels = [label for ax in axes for label in ax.get_legend_handles_labels()[1]]
+    missing = [
+        name
+        for _, high, _, name in BANDS
+        if np.isinf(quantiles[high].to_numpy(dtype=float)).any()
+        and not any(label.startswith(name) for label in labels)
+    ]
+    return f"no band {joined(missing)}, whose upper end failed runs leave unknown" * bool(missing)
 
 
 def _continues(values: Floats) -> bool:
@@ -259,8 +278,14 @@ MOST_CURVES = 400  # that are drawn; of more every n-th
 
 
 def _draw_ida(
-    parts: Mapping[str, Ida], demand: str, intensity: str, runs: Counted, capacity: float
+    parts: Mapping[str, Ida],
+    demand: str,
+    intensity: str,
+    runs: Counted,
+    capacity: float,
+    medians: Mapping[str, float],
 ) -> Figure:
+    """Draw IDA curves, a panel for each part, with the `medians` of the fragility by part."""
     title = f"incremental dynamic analysis, {column_words(demand)}"
     columns = min(len(parts), MOST_COLUMNS)
     count = -(-len(parts) // columns)
@@ -277,6 +302,11 @@ def _draw_ida(
     outside, end = 0, "collapse or stop" if runs.larger else "collapse"
     for place, (name, ida) in enumerate(parts.items()):
         outside += _ida_panel(axes[place], ida, capacity, widest, f"last before {end}")
+        if medians.get(name, np.nan) > 0.0:
+            # Of a capacity between two runs the curve interpolates, and the likelihood does not.
+            diamond: drawing.Look = {"color": drawing.INK, "markersize": 6, "zorder": 4}
+            label = "median of the fragility by ida"
+            axes[place].plot(capacity, medians[name], "D", label=label, mfc="none", **diamond)
         is_lowest, is_leftmost = place + columns >= len(parts), place % columns == 0
         names = _title(demand) if is_lowest else "", intensity if is_leftmost else ""
         curve_count = f"{len(ida.curves)} curves"
@@ -466,13 +496,20 @@ class StudyFigures(drawing.Figures):
         runs = counted(result.table, demand, failed, ANY if capacity is None else capacity)
         table, by = in_classes(runs.table, AMBIENT)
         levels = np.unique(table[AMBIENT]).tolist() if by == AMBIENT else []
-        parts = {"": result}
+        temperatures: dict[str, Temperature] = {"": "pooled"}
         if len(levels) > 1:
-            parts = {drawing.degrees(level): result.select(ambient_degC=level) for level in levels}
-        curves = {
-            name: part.ida(demand, failed=failed, capacity=capacity) for name, part in parts.items()
-        }
-        return _draw_ida(curves, demand, self._intensity(), runs, capacity or np.nan)
+            temperatures = {drawing.degrees(level): level for level in levels}
+        options: Any = {"demand": demand, "failed": failed}
+        curves, medians = {}, {}
+        for name, at in temperatures.items():
+            options["temperature"] = at
+            curves[name] = result.ida(capacity=capacity, **options)
+            if capacity is not None:
+                with suppress(InputError):  # all runs have one intensity
+                    # The median needs no bootstrap.
+                    curve = result.fragility(capacity, method="ida", samples=1, **options)
+                    medians[name] = curve.stated_median
+        return _draw_ida(curves, demand, self._intensity(), runs, capacity or np.nan, medians)
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""

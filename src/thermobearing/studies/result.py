@@ -288,8 +288,9 @@ class StudyResult(Result):
         *,
         failed: Failed = COMPUTED,
         capacity: float | None = None,
+        temperature: Temperature = None,
     ) -> Ida:
-        """Return IDA curves, one for each combination of the factors except the scale.
+        """Return IDA curves at one temperature, one for each combination of the factors but scale.
 
         Parameters
         ----------
@@ -299,10 +300,18 @@ class StudyResult(Result):
             With "computed" a run that stopped counts as in `fragility` of this capacity: as a
             collapse if it had reached it, and left out otherwise. Without a capacity all runs that
             stopped count as a collapse.
+        temperature : float or "pooled", optional
+            As in `fragility`.
+
+        Raises
+        ------
+        InputError
+            The runs have several temperature levels, and none is selected.
         """
+        table = at_temperature(self, temperature).table
         name, least = demand or self.default_demand, ANY if capacity is None else capacity
         curves = self._curves()
-        return ida_curves(self.table, name, self.intensity, curves, failed=failed, capacity=least)
+        return ida_curves(table, name, self.intensity, curves, failed=failed, capacity=least)
 
     @property
     def has_ida(self) -> bool:

@@ -20,7 +20,13 @@ from thermobearing.studies.curves import has_curves, other_medians, temperature_
 from thermobearing.studies.definition.designs import AMBIENT, Plan
 from thermobearing.studies.run.shard import LEAD_LIMIT, LIMITS_PASSED
 from thermobearing.studies.statistics.comparison import CONTRADICTED
-from thermobearing.studies.statistics.demand import ANY, LEVEL, Failed, stopped_runs
+from thermobearing.studies.statistics.demand import (
+    ANY,
+    LEAST_MOTIONS,
+    LEVEL,
+    Failed,
+    stopped_runs,
+)
 from thermobearing.studies.statistics.demand import counted as count_failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
@@ -171,7 +177,7 @@ def _rate_sentences(part: "StudyResult", prefix: str) -> list[str]:
     largest = table["rate"].fillna(0.0).argmax()
     if rows[0]["name"] not in TOGETHER and table["rate"].iloc[largest] > rows[0]["rate"]:
         rows.insert(0, table.iloc[largest])
-    sentences = []
+    sentences: list[str] = []
     for row in rows:
         where = temperature_words(row["name"])
         if row["name"] in TOGETHER:
@@ -355,9 +361,13 @@ def _demand_table(result: "StudyResult") -> Table:
     heads |= {"runs": "Runs counted", "all_runs": "Of runs", "failed": "Of these failed"}
     pooled = pooled_words(result)
     caption = f"{column_words(demand)} by ambient temperature{pooled}{_of_runs(result)}"
-    count = count_failed(result.table, demand, failed, ANY).sentence
+    note = f"{count_failed(result.table, demand, failed, ANY).sentence}."
+    if few.any():
+        note += (
+            f" {TOO_FEW.capitalize()}: a median of fewer than {LEAST_MOTIONS} motions has no band."
+        )
     units = dict.fromkeys(["mean", *shares, *ends], find_unit(demand))
-    return _table(table, caption, units=units, heads=heads, note=f"{count}.")
+    return _table(table, caption, units=units, heads=heads, note=note)
 
 
 def between_words(least: "pd.Series", most: "pd.Series") -> "pd.Series":
@@ -407,8 +417,7 @@ def worst_table(result: "StudyResult", worst: "pd.DataFrame") -> Table:
         rows[by] = rows[by].astype(object).where(~stopped, last_values)
         note = (
             f"Runs whose lead melted or whose bearing passed {percent(LARGEST_STRAIN)} strain have "
-            "a demand of at least "
-            "their recorded value."
+            "a demand of at least their recorded value."
         )
     return _table(rows, caption, units=column_units(result), note=note)
 

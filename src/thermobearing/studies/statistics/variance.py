@@ -44,7 +44,7 @@ MOST_CLASSES = 60
 MOST_LOTS = 2000  # that the bootstrap draws from; of more runs, lots of several
 SAMPLING_ERROR = -0.05  # of the variance; a share that is nothing may be as small
 SELECTIVE = 1.5  # share of a level in the lost runs over that in all, from which it is named
-WIDE = 0.2  # width of the band of a first-order index, our choice
+WIDE = 0.2  # width of the band of an index, our choice
 REST = "interaction and rest"  # row of the interaction of factors
 
 
@@ -231,26 +231,25 @@ def _concentration(
 
 
 def wide_note(indices: "pd.DataFrame") -> str:
-    """Return how wide the bands of Sobol' indices of first order are, with a remedy, or "".
+    """Return how wide the bands of Sobol' indices are, with a remedy, or "".
 
     The variance of an index decreases as 1/n with the number of samples.
 
     >>> row = {"factor": ["ambient"], "first": [0.3], "first_low": [0.1], "first_high": [0.5]}
     >>> wide_note(pd.DataFrame(row).assign(rows=128)).partition(": ")[2]
-    'some 512 samples make it 0.2 (now 128)'
+    'first-order up to 0.40 (ambient), which some 512 samples make 0.2'
     """
-    if "first_low" not in indices:
-        return ""
-    widths = (indices["first_high"] - indices["first_low"]).to_numpy(dtype=float)
-    widest, rows = float(widths.max()), int(indices["rows"].iloc[0])
-    if not widest > WIDE:
-        return ""
-    needed = 2 ** math.ceil(math.log2(rows * (widest / WIDE) ** 2) - ROUNDING)
-    factor = indices["factor"].iloc[int(widths.argmax())]
-    return (
-        f"bands of first-order indices are wide, up to {widest:.2f} ({factor}): some {needed} "
-        f"samples make it {WIDE:g} (now {rows})"
-    )
+    texts, rows = [], int(indices["rows"].iloc[0])
+    for kind, words in (("first", "first-order"), ("total", "total")):
+        if f"{kind}_low" not in indices:
+            continue
+        widths = (indices[f"{kind}_high"] - indices[f"{kind}_low"]).to_numpy(dtype=float)
+        widest, factor = float(widths.max()), indices["factor"].iloc[int(widths.argmax())]
+        if widest > WIDE:
+            needed = 2 ** math.ceil(math.log2(rows * (widest / WIDE) ** 2) - ROUNDING)
+            remedy = f"which some {needed} samples make {WIDE:g}"
+            texts.append(f"{words} up to {widest:.2f} ({factor}), {remedy}")
+    return f"bands of Sobol' indices of {rows} samples are wide: {'; '.join(texts)}" * bool(texts)
 
 
 def sampling_note(contributions: "pd.DataFrame") -> str:
