@@ -118,12 +118,7 @@ def _draw_demand(
         )
         ax.set_title(", ".join(map(str, label)), **look)
         ax.tick_params(labelbottom=is_lowest)
-    # Where more than 5 % of the runs collapse, the upper fractile is infinite, the median is not.
-    drawn = quantiles[[*(high for _, high, _, _ in BANDS), "median_high", "0.5", "mean"]]
-    values = drawn.to_numpy(dtype=float)
-    top = values[np.isfinite(values)].max(initial=0.0)
-    largest = max(float(top), capacity if np.isfinite(capacity) else 0.0)
-    axes[0].set_ylim(0.0, 1.08 * largest or 1.0)
+    axes[0].set_ylim(0.0, 1.08 * _largest_drawn(quantiles, capacity) or 1.0)
     notes = [
         pooled_words(result).removeprefix(", "),
         runs.sentence,
@@ -131,6 +126,14 @@ def _draw_demand(
     ]
     _legend(figure, *axes[: len(cells)], note="; ".join(filter(None, notes)))
     return figure
+
+
+def _largest_drawn(quantiles: "pd.DataFrame", capacity: float) -> float:
+    """Return the largest finite number of a figure of the demand, 0 without one."""
+    # Where more than 5 % of the runs collapse, the upper fractile is infinite, the median is not.
+    drawn = quantiles[[*(high for _, high, _, _ in BANDS), "median_high", "0.5", "mean"]]
+    values = np.append(drawn.to_numpy(dtype=float), capacity)
+    return float(values[np.isfinite(values)].max(initial=0.0))
 
 
 def _missing_bands(quantiles: "pd.DataFrame", axes: Sequence[Axes]) -> str:

@@ -30,7 +30,7 @@ from thermobearing.studies.statistics.demand import (
 from thermobearing.studies.statistics.demand import counted as count_failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
-from thermobearing.studies.statistics.likelihood import with_intensity_unit
+from thermobearing.studies.statistics.likelihood import NONE_BEYOND, with_intensity_unit
 from thermobearing.studies.statistics.variance import sampling_note
 from thermobearing.studies.store import label_plan
 
@@ -255,7 +255,10 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
     for name in dict.fromkeys([*separate[:1], *separate[-1:], *together]):
         curve = curves[name]
         if np.isnan(curve.stated_median):
-            missing.append(temperature_words(name) if name not in TOGETHER else _over(name))
+            least = curve.row()["median_low"] if curve.outcome == NONE_BEYOND else np.nan
+            bound = f" (above {with_intensity_unit(least, unit)})" if least > 0.0 else ""
+            where = temperature_words(name) if name not in TOGETHER else _over(name)
+            missing.append(f"{where}{bound}")
             continue
         row = curve.row()
         has_band = not curve.few_motions and np.isfinite(row["median_low"])
@@ -272,7 +275,7 @@ def _median_sentences(part: "StudyResult", prefix: str) -> list[str]:
         return []
     the = "the" if prefix else "The"
     none = (
-        f"; no median {'at ' * (missing[0] not in map(_over, TOGETHER))}{joined(missing)}"
+        f"; no median {'at ' * (not missing[0].startswith('over '))}{joined(missing)}"
         if missing
         else ""
     )
