@@ -397,17 +397,16 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
         rate, colour = rates[name], warm.get(name, drawing.INK)
         if not rate.rate > 0.0:
             reason = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
-            look: drawing.Look = {"ha": "center", "va": "bottom", "color": drawing.GREY}
-            ax.text(
-                place,
-                0.02,
-                reason,
-                transform=ax.get_xaxis_transform(),
-                fontsize=drawing.SMALLEST,
-                **look,
-            )
-            if rate.high > 0.0:  # an upper bound
+            look: drawing.Look = {"ha": "center", "color": drawing.GREY}
+            look |= {"fontsize": drawing.SMALLEST}
+            if rate.high > 0.0:  # an upper bound, with its words where the panel has room
                 ax.plot(place, rate.high, "v", color=colour, markersize=5, markerfacecolor="none")
+                side, vertical = (-1, "top") if rate.high >= top else (1, "bottom")
+                offset: Any = {"xytext": (0, 6 * side), "textcoords": "offset points"}
+                ax.annotate(reason, (place, rate.high), va=vertical, **offset, **look)
+            else:
+                bottom = ax.get_xaxis_transform()
+                ax.text(place, 0.02, reason, transform=bottom, va="bottom", **look)
             continue
         filled = colour if rate.outcome != CONTRADICTED else "none"
         ax.plot(place, rate.rate, "o", color=colour, markersize=5, markerfacecolor=filled)
