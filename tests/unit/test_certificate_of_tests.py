@@ -100,8 +100,13 @@ def test_statements_of_a_certificate(saved: SavedResult) -> None:
     certificate, report = build_certificate(saved), build_pieces(saved)
     assert certificate.answer[0].startswith("The parameters hold within")
     assert "strain rates of" in certificate.answer[0]
-    assert sum("would be known better" in text for text in certificate.answer) == 1
-    assert "would be known better" in report.tables["posterior"].note
+    narrowing = [text for text in certificate.answer if "would be less with one of" in text]
+    (row,) = (row for row in saved.summary["posterior"]["predicted"] if row["quantity"] == "K_eq")
+    best, lower, upper = (f"{row[name]:#.3g}" for name in ("best", "lower", "upper"))
+    assert len(narrowing) == 1
+    assert f"extrapolated beyond the tests: {best} kN/mm (95 %: {lower} to {upper})" in narrowing[0]
+    assert "largest amplitude (100 % shear strain) of warm" in narrowing[0]
+    assert narrowing[0] in report.tables["posterior"].note
     for pieces in (certificate, report):
         basis = pieces.tables["parameters"].note
         assert "thickness of the rubber \N{PLUS-MINUS SIGN} 2 %" in basis
@@ -136,3 +141,24 @@ def test_tables_of_a_report_have_no_marks_of_markdown(saved: SavedResult) -> Non
     assert isinstance(identity, TableBlock)
     assert not any("`" in row[0] for row in identity.table.rows)
     assert any("`" in label for label in report.identity)
+
+
+def test_a_misfit_is_the_first_warning_of_a_certificate(saved: SavedResult) -> None:
+    """Also where three parameters are poorly determined, whose warnings concern the page."""
+    poor = [f"{name} is poorly determined, its standard error is 13 %" for name in "abc"]
+    misfit = "model and test differ by more than noise: the temperature rise by 10 K. More of it"
+    summary = {**saved.summary, "warnings": [*poor, misfit]}
+    answer = build_certificate(replace(saved, summary=summary)).answer
+    warnings = [text for text in answer if text.startswith("Warning")]
+    assert "the temperature rise by 10 K" in warnings[0]
+    assert [poor[k] in warnings[k + 1] for k in range(2)] == [True, True]
+
+
+def test_the_table_of_tests_has_the_errors_of_temperature_rises(saved: SavedResult) -> None:
+    """Those of the table of the report, of tests held out too."""
+    table = build_certificate(saved).tables["tests"]
+    place = [column.name for column in table.columns].index("temperature_error")
+    tests = saved.summary["held_out"]["tests"]
+    errors = {test["test"]: 100.0 * test["temperature_error"] for test in tests}
+    assert {row[0]: row[place] for row in table.rows} == pytest.approx(errors)
+    assert "Rise error" in table.note

@@ -73,6 +73,7 @@ OVERFULL = -30  # rows of room below which the figure, which report.html has too
 NOTE_LINE = 150  # letters of the small print below a table in one line of the page
 ABOUT = ["test", "use", "date", "ambient_degC"]
 ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
+ABOUT += ["temperature_error"]
 
 
 def build_certificate(saved: SavedResult) -> Pieces:
@@ -146,16 +147,23 @@ def _certified_tests(records: Sequence[Row], held_out: Sequence[Row]) -> Table:
                 "cycles_found": len(record["cycles"]),
                 "K_eq_error": worst_error(record, "G_eq_error"),  # relative errors are the same
                 "h_eq_error": worst_error(record, "h_eq_error"),
+                "temperature_error": record.get("largest_rise_error"),
             }
             rows.append(record["conditions"] | row)
     if any(row.get("date") for row in rows):
         rows = [row | {"date": row.get("date") or "not stated"} for row in rows]
     heads = {"K_eq_error": "K_eq error", "h_eq_error": "h_eq error"}
+    heads["temperature_error"] = "Rise error"
     treatments = " ".join(describe_treatments([*records, *held_out]))
     note = (
         f"Treatment of the records. {treatments} {OF_ALL_RECORDS} Errors: largest over the cycles, "
         "model / test \N{MINUS SIGN} 1."
     )
+    if any(row["temperature_error"] is not None for row in rows):
+        note += (
+            " Rise error: largest difference of a temperature rise at any time, over the largest "
+            "rise of the test."
+        )
     return make_table(pd.DataFrame(rows), ABOUT, "Tests", heads=heads, note=note, keep_keys=True)
 
 
@@ -300,10 +308,10 @@ def _certified_narrowing(summary: Row) -> list[str]:
 def _certified_warnings(warnings: Sequence[str], cause: str = "") -> list[str]:
     """Return what some warnings say of the page, and what the report has more.
 
-    Warnings that concern the numbers on the page come first. `cause` is the most plausible one of
-    a misfit, behind whose size it stands.
+    A misfit comes first, since it puts the model in doubt; then come the warnings that concern the
+    numbers on the page. `cause` is the most plausible one of a misfit, behind whose size it stands.
     """
-    ordered = sorted(warnings, key=lambda text: CONCERNS.search(text) is None)
+    ordered = sorted(warnings, key=lambda text: (MISFIT not in text, CONCERNS.search(text) is None))
     texts = [f"Warning: {tidy(text)}" for text in ordered[:MOST_WARNINGS]]
     shown = [_certified_warning(text) for text in texts]
     shown = [

@@ -100,7 +100,7 @@ class Comparison:
         return rows
 
     @property
-    def _rise_error(self) -> float:
+    def rise_error(self) -> float:
         """Largest error of a temperature rise in time, relative to the largest rise of the test.
 
         Eq. 4.39 with its sign, but its denominator is not the rise so far: half a kelvin at the
@@ -123,7 +123,7 @@ class Comparison:
             name: _worst([loop.ratios[side] - 1.0 for loop in self.loops for side in sides])
             for name, sides in SIDES.items()
         }
-        return largest_errors | {"temperature": self._rise_error, "NRMSE": self.NRMSE}
+        return largest_errors | {"temperature": self.rise_error, "NRMSE": self.NRMSE}
 
     @property
     def names(self) -> dict[str, Any]:

@@ -450,6 +450,7 @@ def record_summary(fit: Comparison, check: CheckReport) -> dict[str, Any]:
             for row in fit.thermocouples
             if row["rise_error"] is not None
         },
+        "largest_rise_error": None if np.isnan(fit.rise_error) else fit.rise_error,
         "unused_columns": list(record.unused),
         "cycles": [
             {"cycle": loop.cycle, "number": loop.number}

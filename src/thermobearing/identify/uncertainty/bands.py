@@ -11,6 +11,7 @@ from thermobearing.results.ranges import widened
 
 LOW, HIGH = 0.025, 0.975
 UNITS = {"force": "kN", "K_eq": "kN/mm", "h_eq": "", "Q_d": "kN", "energy": "kN mm"}
+MAIN = "K_eq"  # whose interval sentences state, and what would narrow it
 MEAN = "mean "  # begins the name of a quantity that is one of later cycles
 UNITS |= {f"{MEAN}{name}": unit for name, unit in LATER.items()}
 OUTSIDE = "outside the tests"  # among the causes of a band
@@ -113,7 +114,7 @@ class Band:
     @property
     def main(self) -> Predicted:
         """K_eq, or the peak force of a record without a loop."""
-        return next((p for p in self.predicted if p.quantity == "K_eq"), self.predicted[0])
+        return next((p for p in self.predicted if p.quantity == MAIN), self.predicted[0])
 
     @property
     def peak(self) -> float:

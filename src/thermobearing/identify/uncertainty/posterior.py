@@ -41,7 +41,9 @@ from thermobearing.identify.result import Identification
 from thermobearing.identify.uncertainty.bands import (
     HIGH,
     LOW,
+    MAIN,
     MEAN,
+    UNITS,
     Band,
     Forecast,
     Narrowing,
@@ -53,7 +55,7 @@ from thermobearing.identify.uncertainty.bands import (
 from thermobearing.identify.uncertainty.covariance import estimate
 from thermobearing.identify.uncertainty.groups import AMBIENT, chosen_groups, shift
 from thermobearing.quantities.governing import order_from_largest, place_of_least
-from thermobearing.quantities.words import percent
+from thermobearing.quantities.words import number, percent
 from thermobearing.results.ranges import (
     compare_with_tests,
     extrapolation,
@@ -128,32 +130,47 @@ def forecast(
     coldest = place_of_least(temperatures)
     narrowing = _narrower(identification, bands[coldest], extrapolations[coldest]) if narrow else []
     if narrowing:
-        notes.append(_narrowing_note(bands[coldest], narrowing))
+        test = identification.records[0].name
+        notes.append(_narrowing_note(bands[coldest], narrowing, test))
     return Forecast(samples, tuple(bands), tuple(warnings), tuple(notes), columns, tuple(narrowing))
 
 
-def _narrowing_note(band: Band, narrowing: Sequence[Narrowing]) -> str:
-    """Return a sentence on what would narrow a band."""
-    sign = "\N{PLUS-MINUS SIGN}"
-    options = "; ".join(f"{item.what} ({sign}{percent(item.half_width, 1)})" for item in narrowing)
+def _narrowing_note(band: Band, narrowing: Sequence[Narrowing], test: str) -> str:
+    """Return how large the main quantity of a band is, and what would narrow its interval.
+
+    `test` is the name of the test that is predicted.
+    """
+    options = "; ".join(f"{item.what} ({percent(item.half_width, 1)})" for item in narrowing)
     item = band.main
+    extrapolated = ", extrapolated beyond the tests" if band.beyond_tested else ""
+    unit = UNITS[item.quantity]
+    best, lower, upper = (number(value, "#.3g") for value in (item.best, item.lower, item.upper))
     return (
-        f"{item.quantity} at {band.ambient:.4g} degC is known to {sign}"
-        f"{percent(item.half_width, 1)}. It would be known better with one of these: {options}"
+        f"{_main_words(band)} of {test} at {band.ambient:.4g} degC{extrapolated}: {best} {unit} "
+        f"(95 %: {lower} to {upper}). Half of this interval is {percent(item.half_width, 1)} of "
+        f"the value. It would be less with one of these: {options}"
     )
+
+
+def _main_words(band: Band) -> str:
+    """Return the main quantity of a band with the cycle and the strain that it is of."""
+    if band.main.quantity != MAIN:
+        return "Peak force"
+    largest = max((cycle.strain for cycle in band.cycles), default=0.0)
+    strain = f" ({percent(largest)} shear strain)" if largest else ""
+    return f"{MAIN} of the first cycle at the largest amplitude{strain}"
 
 
 def _share_note(band: Band) -> str:
     """Return a sentence on the share of a band that the tests did not determine."""
     item = band.main
-    half = item.half_width
     shares = {name: share for name, share in item.shares.items() if share >= LEAST_SHARE}
     names = [list(shares)[k] for k in order_from_largest(list(shares.values()))]
     causes = ", ".join(f"{name} {percent(shares[name])}" for name in names)
     return (
-        f"{item.quantity} at {band.ambient:.4g} degC is known to \N{PLUS-MINUS SIGN}"
-        f"{percent(half, 1)}. {percent(item.held_share)} of its variance come from what these "
-        f"tests do not determine; the largest shares of all causes: {causes}"
+        f"{_main_words(band)} at {band.ambient:.4g} degC: {percent(item.held_share)} of its "
+        "variance come from what these tests do not determine; the largest shares of all causes: "
+        f"{causes}"
     )
 
 
