@@ -1,5 +1,6 @@
 """What certificate and report of a calibration say of its tests, those held out included."""
 
+import hashlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -124,6 +125,13 @@ def test_a_misfit_of_a_certificate_has_size_and_cause(saved: SavedResult) -> Non
         if text.startswith("Warning")
     )
     assert "cold. Most plausible cause: delay of the force, +12 ms." in text
+
+
+def test_a_certificate_has_the_digest_of_the_description_of_the_bearing(
+    saved: SavedResult,
+) -> None:
+    digest = hashlib.sha256((saved.path / "bearing.toml").read_bytes()).hexdigest()
+    assert sum(digest in text for text in build_certificate(saved).answer) == 1
 
 
 def test_what_an_assumed_value_moves(saved: SavedResult) -> None:

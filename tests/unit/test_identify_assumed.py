@@ -27,6 +27,7 @@ from thermobearing.identify.report import _grade
 from thermobearing.identify.result import Identification
 from thermobearing.identify.run import identify_bearing
 from thermobearing.identify.uncertainty import covariance, groups
+from thermobearing.identify.uncertainty.evidence import Evidence, Propagated, Uncertainty
 
 E2 = parameters.ALIASES["E2"]
 HDR, LHDR, LRB = (
@@ -114,7 +115,7 @@ def test_values_are_contradicted_beyond_both_limits(
 ) -> None:
     """Five standard errors of the tests, and three of tests and source: 3 sqrt(1 + 0.1^2)."""
     group = groups.chosen_groups(None)[0]
-    assert covariance.Evidence(group, -sigmas, stderr, 0.1).contradicted is contradicted
+    assert Evidence(group, -sigmas, stderr, 0.1).contradicted is contradicted
 
 
 SMALL = tb.cyclic_test(strain=[0.5, 1.5], cycles=2, rest=None)
@@ -125,7 +126,7 @@ def pair() -> list[TestRecord]:
     return [synthetic_record(HDR, at, SMALL, noise=0.005, sampling=20.0) for at in (-20.0, 23.0)]
 
 
-def fitted(records: list[TestRecord]) -> covariance.Uncertainty:
+def fitted(records: list[TestRecord]) -> Uncertainty:
     found = identify_bearing(
         records, HDR, free=["K_r", "m_T", "n_T"], starts=1, start_from="bearing"
     )
@@ -229,19 +230,19 @@ def test_more_heat_cells_are_a_cause_by_what_they_change_themselves() -> None:
     assert [item.sigmas for item in weighed] == pytest.approx([5.0, 5.0])
     share = 1.0 - (4.0 / 5.0) ** 2
     assert [item.explained for item in weighed] == pytest.approx([share, 1.0])
-    assert covariance.Evidence(cells, 5.0, 0.1, 0.15).conceivable
-    assert not covariance.Evidence(cells, 5.0, 0.1, 0.05).conceivable
-    assert not covariance.Evidence(cells, -5.0, 0.1, 0.15).conceivable
+    assert Evidence(cells, 5.0, 0.1, 0.15).conceivable
+    assert not Evidence(cells, 5.0, 0.1, 0.05).conceivable
+    assert not Evidence(cells, -5.0, 0.1, 0.15).conceivable
 
 
 def test_errors_that_cancel_make_no_interval_smaller() -> None:
     """Of two groups with opposite errors, only one with few degrees of freedom is widened."""
     two = [groups.chosen_groups(None)[0].model_copy(update={"freedom": n}) for n in (3, 10**6)]
-    evidence = tuple(covariance.Evidence(group, 0.0, 1.0, 0.0) for group in two)
+    evidence = tuple(Evidence(group, 0.0, 1.0, 0.0) for group in two)
     spread = np.array([[1.0, -0.9], [-0.9, 1.0]])
     shifts = np.array([[0.5, 1.0], [1.0, 0.5]])
     variances = [0.25 + 1.0 - 0.9, 1.624**2 + 0.25 - 1.624 * 0.9]  # the first not widened
-    propagated = covariance.Propagated(evidence, shifts, spread)
+    propagated = Propagated(evidence, shifts, spread)
     reach = covariance._half_intervals(propagated, np.diag([0.01, 0.02]), 2.0)
     expected = 1.96 * np.sqrt(np.array(variances) + 4.0 * np.array([0.01, 0.02]))
     assert reach == pytest.approx(expected, rel=1e-3)

@@ -57,11 +57,11 @@ from thermobearing.identify.records.turns import (
     turned_amplitudes,
 )
 from thermobearing.identify.result import _fit_warnings
-from thermobearing.identify.uncertainty.covariance import (
-    _effective_samples,
-    _signal_warnings,
-    _test_warnings,
-    estimate,
+from thermobearing.identify.uncertainty.covariance import _effective_samples, estimate
+from thermobearing.identify.uncertainty.diagnosis import (
+    _Advice,
+    describe_signals,
+    describe_similar_tests,
 )
 
 HDR, LHDR = tb.load_bearing("shen-hdr-specimen"), tb.load_bearing("shen-lhdr-specimen")
@@ -287,7 +287,7 @@ def test_similar_speeds_are_reported(faster: float, narrow: bool) -> None:
     record = sines((10.0,))
     records = [record, replace(record, time=record.time / faster)]
     problem: Any = SimpleNamespace(records=records, pset=parameter_set(LHDR, ["c_v"], [23.0]))
-    assert bool(_test_warnings(problem)) is narrow
+    assert bool(describe_similar_tests(problem)) is narrow
 
 
 def test_remedies_belong_to_their_parameters() -> None:
@@ -657,10 +657,35 @@ def test_displacements_that_make_intervals_too_narrow() -> None:
     sine = record_from_arrays(t, 20.0 * np.sin(0.5 * np.pi * t), t, 23.0)
     assert step_at_reversals(sine) == pytest.approx(20.0 * (1.0 - np.cos(np.pi / 20.0)))
     d_y = float(HDR.hysteresis.yield_displacement)
-    assert _signal_warnings([sine, triangles(160, 0.05)], d_y) == []
-    (coarse,) = _signal_warnings([triangles(160), triangles(40)], d_y)
+    assert describe_signals([sine, triangles(160, 0.05)], d_y) == []
+    (coarse,) = describe_signals([triangles(160), triangles(40)], d_y)
     assert "2 mm" in coarse
     assert "52 Hz" in coarse  # 10 Hz, and 2 mm are 5.16 times a quarter of d_y
-    (noisy,) = _signal_warnings([triangles(160, 0.22), triangles(160)], d_y)
+    (noisy,) = describe_signals([triangles(160, 0.22), triangles(160)], d_y)
     assert "14 % of d_y" in noisy or "15 % of d_y" in noisy
     assert "0.15 mm" in noisy  # a tenth of d_y
+
+
+@pytest.mark.parametrize(
+    ("span", "largest", "misfit", "words"),
+    [
+        (15.0, 40.0, False, {"temperature", "hardening"}),
+        (20.5, 40.0, False, {"hardening"}),
+        (20.5, 60.5, False, set()),
+        (15.0, 60.5, True, {"temperature", "misfit"}),
+    ],
+)
+def test_advice_names_what_the_tests_do_not_have(
+    span: float, largest: float, misfit: bool, words: set[str]
+) -> None:
+    """HDR has 30 mm of rubber: two amplitudes up to 60 mm are several up to 200 %."""
+    records = [replace(sines((10.0, largest)), ambient=ambient) for ambient in (0.0, span)]
+    problem: Any = SimpleNamespace(records=records, pset=parameter_set(HDR, ["n_T"], [0.0, span]))
+    advice = _Advice(problem, misfit)
+    texts = {"temperature": advice.on(KINDS[M_T]), "hardening": advice.on(KINDS[HARDENING])}
+    expected = {"temperature": "at least 20 K apart", "hardening": "amplitudes up to 200 %"}
+    named = {name for name, text in texts.items() if expected[name] in text}
+    named |= (
+        {"misfit"} if all("Remove the misfit first" in text for text in texts.values()) else set()
+    )
+    assert named == words

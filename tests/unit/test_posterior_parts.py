@@ -13,7 +13,8 @@ import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.test_identify_numbers import sines
 from thermobearing.identify.fit.forward import Prediction
-from thermobearing.identify.uncertainty import covariance, groups, posterior
+from thermobearing.identify.uncertainty import diagnosis, groups, posterior
+from thermobearing.identify.uncertainty.evidence import NEGLIGIBLE
 
 
 def fit_with(problem: Any, cube: np.ndarray, **uncertainty: Any) -> Any:
@@ -148,11 +149,11 @@ def test_no_cause_is_named_for_no_misfit() -> None:
         replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.evidence
     )
     found = replace(exact.uncertainty, assumed=replace(assumed, evidence=evidence))
-    assert found.rms < covariance.NEGLIGIBLE
-    assert (found.suspects, covariance._misfit(exact.problem, found)) == ([], [])
-    large = replace(found, rms=2.0 * covariance.NEGLIGIBLE)
+    assert found.rms < NEGLIGIBLE
+    assert (found.suspects, diagnosis.describe_misfit(exact.problem, found)) == ([], [])
+    large = replace(found, rms=2.0 * NEGLIGIBLE)
     assert large.suspects
-    assert covariance._misfit(exact.problem, large)
+    assert diagnosis.describe_misfit(exact.problem, large)
 
 
 @pytest.mark.parametrize(("parameters", "walkers"), [(1, 4), (2, 6), (5, 15)])

@@ -32,9 +32,11 @@ from thermobearing.identify.records.cycles import (
     largest_measures,
 )
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.identify.report import _contradictions
+from thermobearing.identify.report import _contradictions, _enlarged
 from thermobearing.identify.uncertainty.bands import OUTSIDE
-from thermobearing.identify.uncertainty.covariance import Evidence, _estimate
+from thermobearing.identify.uncertainty.covariance import _estimate
+from thermobearing.identify.uncertainty.diagnosis import size_words
+from thermobearing.identify.uncertainty.evidence import Evidence
 from thermobearing.identify.uncertainty.groups import chosen_groups
 from thermobearing.identify.uncertainty.posterior import _draw, drawn_bearing, forecast
 from thermobearing.identify.uncertainty.samples import posterior_bearings
@@ -435,11 +437,40 @@ def test_the_sentence_marks_what_is_outside_the_tests() -> None:
 def test_the_report_names_what_is_contradicted_and_what_a_cause_imitates() -> None:
     film, scale = (
         {"name": name, "contradicted": not imitated, "imitated": imitated}
+        | {"tests_ask_for": -43.4, "unit_of_that": "%", "tests_ask_for_sigmas": -189.6}
         for name, imitated in (("film", True), ("scale", False))
     )
-    assert _contradictions([]) == []
-    (sentence,) = _contradictions([scale])
+    assert _contradictions([], []) == []
+    (sentence,) = _contradictions([scale], [])
     assert "film" not in sentence
-    first, second = _contradictions([film, scale])
+    assert "\N{MINUS SIGN}43 % (190 usual errors)" in sentence
+    assert "number and thickness" not in sentence
+    causes = [{"name": name, "named": name != "zero"} for name in ("zero", "film", "scale")]
+    first, second = _contradictions([film, scale], causes)
     assert ("scale" in first, "film" in second) == (True, True)
+    assert "number 2 of 2" in first
+    assert "number and thickness" in first
     assert "scale" not in second
+
+
+def test_the_note_states_by_how_much_a_misfit_enlarges_errors() -> None:
+    rows = [{"name": name, "enlarged_by": by} for name, by in (("film", 7.04), ("scale", 1.2))]
+    rows.append({"name": "ambient temperature of 22.7 degC", "enlarged_by": 2.0})
+    note = _enlarged(rows)
+    assert "film by 7 and ambient temperature by 2" in note
+    assert "scale" not in note
+    assert _enlarged(rows[1:2]) == ""
+
+
+def test_causes_of_an_implausible_size_come_last() -> None:
+    """Three usual errors of an assumed value, ten of a mistake; sizes have no exponent."""
+    first, *_ = chosen_groups(None)
+    sizes = {False: (2.9, 3.1), True: (9.0, 11.0)}
+    plausible = [
+        Evidence(first.model_copy(update={"mistake": mistake}), -sigmas, 0.1, 0.5).plausible
+        for mistake, both in sizes.items()
+        for sigmas in both
+    ]
+    assert plausible == [True, False, True, False]
+    assert size_words(485.2, "%") == "+490 %"
+    assert size_words(-0.0123, "K") == "\N{MINUS SIGN}0.012 K"

@@ -25,7 +25,7 @@ from thermobearing.identify.report import (
     worst_error,
 )
 from thermobearing.identify.treatments import OF_ALL_RECORDS, describe_treatments
-from thermobearing.identify.uncertainty.covariance import MISFIT
+from thermobearing.identify.uncertainty.diagnosis import MISFIT, NONE_PLAUSIBLE, size_words
 from thermobearing.identify.uncertainty.groups import CELLS
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -235,7 +235,12 @@ def _by_test(values: Row, missing: str) -> str:
 
 
 def _certified_digests(saved: SavedResult, records: Sequence[Row]) -> list[str]:
-    """Return what identifies the data, in words by which a reader can check it."""
+    """Return what identifies data and bearing, in words by which a reader can check it."""
+    bearing = file_digest(saved.path / IDENTIFIED, LARGEST_MEMBER)
+    description = (
+        f"SHA-256 of {IDENTIFIED}, the description of the bearing (plan, layers, materials) with "
+        f"these parameters: `{bearing}`."
+    )
     file = saved.path / INPUT_DIGESTS
     if is_file(file):
         count = counted(len(content.input_files(records)), "file")
@@ -243,10 +248,11 @@ def _certified_digests(saved: SavedResult, records: Sequence[Row]) -> list[str]:
             f"SHA-256 of {INPUT_DIGESTS}: `{file_digest(file, LARGEST_MEMBER)}`. That file lists "
             f"the SHA-256 of each of the {count} of all tests, sidecars and tests held out "
             f"included; `sha256sum -c` with its path verifies them in the folder in "
-            "which the calibration was run."
+            f"which the calibration was run. {description}"
         ]
     identity = content.saved_identity(saved, "")
-    return [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
+    statements = [f"{label}: `{text}`." for label, text in identity.items() if "inputs" in label]
+    return [*statements, description]
 
 
 def _certified_files(records: Sequence[Row]) -> Table:
@@ -288,13 +294,22 @@ def _certified_held_out(held_out: Row) -> list[str]:
 
 
 def _first_cause(summary: Row) -> str:
-    """Return the most plausible cause of a misfit with its size; "" without any."""
+    """Return what the first cause of a misfit is, with its size and what else it stands for.
+
+    "" without any.
+    """
     suspects = summary.get("suspects") or []
     if not suspects:
         return ""
     first = suspects[0]
-    size = f"{number(first['size'], '+.2g')} {first['unit']}".strip()
-    return str(first["name"]) if first["key"] == CELLS else f"{first['name']}, {size}"
+    words = str(first["name"])
+    if first["key"] != CELLS:
+        words += f", {size_words(first['size'], first['unit'])}"
+    if not first.get("plausible", True):
+        errors = number(first["usual_errors"], ".3g")
+        return f"{NONE_PLAUSIBLE}{words} ({errors} usual errors; {first['cause']})"
+    cause = f" ({first['cause']})" if first.get("cause") else ""
+    return f"Most plausible cause: {words}{cause}"
 
 
 def _certified_narrowing(summary: Row) -> list[str]:
@@ -309,15 +324,12 @@ def _certified_warnings(warnings: Sequence[str], cause: str = "") -> list[str]:
     """Return what some warnings say of the page, and what the report has more.
 
     A misfit comes first, since it puts the model in doubt; then come the warnings that concern the
-    numbers on the page. `cause` is the most plausible one of a misfit, behind whose size it stands.
+    numbers on the page. `cause` is a sentence on that of a misfit, behind whose size it stands.
     """
     ordered = sorted(warnings, key=lambda text: (MISFIT not in text, CONCERNS.search(text) is None))
     texts = [f"Warning: {tidy(text)}" for text in ordered[:MOST_WARNINGS]]
     shown = [_certified_warning(text) for text in texts]
-    shown = [
-        f"{text} Most plausible cause: {cause}." if cause and MISFIT in text else text
-        for text in shown
-    ]
+    shown = [f"{text} {cause}." if cause and MISFIT in text else text for text in shown]
     remaining = len(warnings) - len(shown)
     rest = [counted(remaining, "more warning")] if remaining else []
     if shown != texts:

@@ -24,7 +24,7 @@ from thermobearing.identify.properties import (
 )
 from thermobearing.identify.result import POOR_R2, UNUSABLE
 from thermobearing.identify.treatments import treatment_table
-from thermobearing.identify.uncertainty.covariance import MISFIT, POOR
+from thermobearing.identify.uncertainty.diagnosis import MISFIT, POOR, size_words
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.register import quantity as registered
 from thermobearing.quantities.tables import Table, make_table
@@ -59,6 +59,7 @@ STRONG = 0.9  # correlation that is reported
 AT_BOUND, POORLY, NOT = "at its bound", "poorly", "no"
 MOST_ROWS = 200
 OF_ONE_TEST = re.compile(r" of -?[\d.]+ degC$")
+LARGER = 1.5  # factors on standard uncertainties that notes state
 SEEN = 0.001  # of a parameter: what a standard uncertainty moves by less is not listed
 NOT_CONTAINED = (
     "They contain no error of the model, and none of the clock, the plan and the number of layers."
@@ -515,7 +516,28 @@ def _basis(assumed: Sequence[Row]) -> str:
     return (
         "Standard errors and intervals contain the scatter of the tests and these systematic "
         "errors, each with the parameter that one standard uncertainty moves most: "
-        f"{joined(parts)}. {NOT_CONTAINED}"
+        f"{joined(parts)}. {_enlarged(assumed)}{NOT_CONTAINED}"
+    )
+
+
+def _enlarged(assumed: Sequence[Row]) -> str:
+    """Return by which factors systematic errors are larger than stated; "" where none is.
+
+    Where model and test differ by more than noise, the errors are so large that they explain it.
+    """
+    factors: dict[str, float] = {}
+    for item in assumed:
+        name = OF_ONE_TEST.sub("", str(item["name"]))
+        factors[name] = max(factors.get(name, 0.0), item.get("enlarged_by") or 0.0)
+    parts = [
+        f"{name} by {number(factor, '.2g')}" for name, factor in factors.items() if factor >= LARGER
+    ]
+    if not parts:
+        return ""
+    return (
+        "Model and test differ by more than noise: standard errors, intervals and draws contain "
+        "these errors enlarged, so that they explain the difference. Factors on their standard "
+        f"uncertainties: {joined(parts)}. "
     )
 
 
@@ -576,7 +598,7 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     sentences += [
         tidy(f"Assumed in reading the files: {text}") for text in dict.fromkeys(assumptions)
     ]
-    sentences += _contradictions(summary["assumed"])
+    sentences += _contradictions(summary["assumed"], summary.get("suspects") or [])
     removed = summary.get("removed_by_finer_cells")
     if removed is not None and abs(removed) < 1.0:
         sentences.append(
@@ -588,14 +610,31 @@ def _assumptions(summary: Row, bearing: Row) -> list[str]:
     return sentences
 
 
-def _contradictions(assumed: Sequence[Row]) -> list[str]:
-    """Return which assumed values the tests contradict, and how that relates to the misfit."""
-    contradicted, imitated = (
-        [item["name"] for item in assumed if item.get(key)] for key in ("contradicted", "imitated")
-    )
+def _contradictions(assumed: Sequence[Row], suspects: Sequence[Row]) -> list[str]:
+    """Return which assumed values the tests contradict, and how that relates to the misfit.
+
+    The causes of the misfit are `suspects`, in the order in which Warnings name them.
+    """
+    imitated = [item["name"] for item in assumed if item.get("imitated")]
+    causes = [item["name"] for item in suspects if item.get("named")]
     sentences = []
-    if contradicted:
-        sentences.append(f"The tests contradict the assumed {joined(contradicted)}.")
+    for item in assumed:
+        if not item.get("contradicted"):
+            continue
+        text = "With the other assumed values as they are, the tests require another "
+        text += str(item["name"])
+        if item.get("tests_ask_for") is not None:  # results of older versions have no sizes
+            size = size_words(item["tests_ask_for"], item["unit_of_that"])
+            errors = number(abs(item["tests_ask_for_sigmas"]), ".3g")
+            text += f", {size} ({errors} usual errors)"
+        if item["name"] in causes:
+            place = causes.index(item["name"]) + 1
+            text += f". This is one possible cause of the misfit, number {place} of {len(causes)}"
+            text += " under Warnings"
+        if causes:
+            text += ". A wrong description of the bearing (plan, number and thickness of the "
+            text += "rubber layers) would require it as well"
+        sentences.append(f"{text}.")
     if imitated:
         sentences.append(
             f"The tests do not contradict the assumed {joined(imitated)}: model and test differ "

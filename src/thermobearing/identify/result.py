@@ -31,7 +31,8 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import UNITS
 from thermobearing.identify.records.turns import turned_amplitudes
 from thermobearing.identify.treatments import motion_notes
-from thermobearing.identify.uncertainty.covariance import MISFIT, Uncertainty
+from thermobearing.identify.uncertainty.diagnosis import MISFIT
+from thermobearing.identify.uncertainty.evidence import Uncertainty
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.words import percent
@@ -382,17 +383,21 @@ class Identification(Result):
 
     def _diagnosis(self) -> dict[str, Any]:
         """Return the content of summary.json about assumed values and the causes of a misfit."""
+        assumed = self.uncertainty.assumed
+        suspects, named = self.uncertainty.suspects, self.uncertainty.causes
         return {
             "assumed": [
-                item.summary() | self._moved_most(k)
-                for k, item in enumerate(self.uncertainty.assumed.evidence)
+                item.summary() | {"enlarged_by": factor} | self._moved_most(k)
+                for k, (item, factor) in enumerate(
+                    zip(assumed.evidence, assumed.enlarging.tolist(), strict=True)
+                )
             ],
             "removed_by_finer_cells": (
                 cells.explained if (cells := self.uncertainty.of_cells) is not None else None
             ),
             "suspects": [
                 *(zero.suspicion(name) for name, zero in self._measured_zeros()),
-                *(item.suspicion() for item in self.uncertainty.suspects),
+                *(item.suspicion() | {"named": item in named} for item in suspects),
             ],
             "differences": [item.summary() for item in self.differences],
             "difference": describe_differences(self.differences),

@@ -52,25 +52,42 @@ class Kind(Strict):
     generic: float | None = None  # starting value that belongs to no bearing
 
 
+class Enough(Strict):
+    """Numbers of tests that determine a group of parameters; the words of remedies name them."""
+
+    temperature: float  # between two ambient temperatures [K]
+    rate: float  # ratio of two loading speeds
+    lead: float  # strain below which lead acts before rubber [%]
+    hardening: float  # largest strain of several [%]
+
+
 class Kinds(Strict):
     """Content of data/identify/parameters.toml."""
 
     remedies: dict[str, str]
+    enough: Enough
     parameters: list[Kind]
 
 
 _PATH = data_path("identify", "parameters.toml")
 _DATA = validated(Kinds, read_toml(_PATH), str(_PATH))
+ENOUGH = _DATA.enough
 KINDS = {kind.key: kind for kind in _DATA.parameters}
 ALIASES = {name: kind.key for kind in KINDS.values() for name in (kind.symbol, *kind.aliases)}
 OF_YIELDING = {kind.key for kind in KINDS.values() if kind.of_yielding}
 
 
+def remedy_group(*kinds: Kind) -> str:
+    """Return the group of remedies that determines parameters; "" without any."""
+    groups = {kind.group for kind in kinds}
+    return next((group for group in _DATA.remedies if group in groups), "")
+
+
 def remedy(*kinds: Kind) -> str:
     """Return a sentence on the tests that would determine parameters."""
-    groups = {kind.group for kind in kinds}
-    words = (words for group, words in _DATA.remedies.items() if group in groups)
-    return next(words, "Other tests would be needed")
+    if not (group := remedy_group(*kinds)):
+        return "Other tests would be needed"
+    return _DATA.remedies[group].format(**{k: f"{v:g}" for k, v in ENOUGH.model_dump().items()})
 
 
 def _full_key(name: str, bearing: Bearing, prefix: str = "") -> str:
