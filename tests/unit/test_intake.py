@@ -132,6 +132,19 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     assert found.sidecar["columns"]["force"] == "Kraft"
 
 
+def test_a_date_of_toml_and_the_strains_of_a_bearing(tmp_path: Path) -> None:
+    """TOML has dates without quotes; 40 mm are 133 % of the 30 mm of rubber of this bearing."""
+    file = laboratory(tmp_path / "lab.csv")
+    file.with_suffix(".toml").write_text("date = 2024-11-05\n", encoding="utf-8")
+    status, _ = invoke("intake", file, "--bearing", BEARING, "-o", tmp_path / "out")
+    assert status == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    (item,) = summary["files"]
+    assert item["sidecar"]["date"] == load_test(file).about["date"] == "2024-11-05"
+    (levels,) = (found for found in item["findings"] if found["check"] == "strain")
+    assert re.search(r"amplitude 40 mm is 133 % .* 30 mm of rubber", levels["sentence"])
+
+
 def test_columns_without_titles_and_units(tmp_path: Path) -> None:
     t, x, f = history()
     path = tmp_path / "bare.txt"

@@ -250,7 +250,8 @@ def errors_table(caption: str, tests: Sequence[Row]) -> Table:
     note = (
         "Largest error over the cycles (model / test \N{MINUS SIGN} 1); of the force, the larger "
         "one of the two sides. Temperature rise: largest difference at any time over the largest "
-        "rise of the test, not that of the largest rises."
+        "rise of the test, not that of the largest rises. NRMSE: over all samples; the rms "
+        "difference of a misfit leaves out samples at rest, and the mean, which is a fitted zero."
     )
     note += f" {MARKED}." if any(marks) else ""
     keys = [name for name in ("role", "test") if name in frame]

@@ -4,6 +4,7 @@ A test is one or several blocks with rests between them, in one file or several;
 all samples in one line of time, and lists what had to be assumed.
 """
 
+import datetime
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -47,6 +48,7 @@ PERCENT = 10.0  # largest number from which a column of strains without a unit i
 COLUMNS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}  # of a sidecar
 MOST_PARTS = 0.1  # of the rows of a table, as parts whose clock restarts
 KEY = "Key"  # head of the keys in the sheet that describes a test
+
 
 Weight = Annotated[float, Field(ge=0, le=100)]
 Word = Annotated[str, Field(min_length=1)]
@@ -259,6 +261,8 @@ def read_laboratory(
             keys, path, name = split_sources(table)[0], sidecar_file, path.name
     # Keys of the sidecar replace those of the workbook's own sheet.
     keys = _workbook_keys(path.parent / name) | keys
+    if isinstance(stated := keys.get("date"), datetime.date):  # TOML has dates without quotes
+        keys["date"] = stated.isoformat()
     sidecar = validated(Sidecar, keys, str(path))
     readings = replace(_Reader(sidecar, path, optional, across).read(name), given=keys)
     displacement, force = readings.values["displacement"], readings.values.get("force")

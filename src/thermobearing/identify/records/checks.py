@@ -27,6 +27,7 @@ from thermobearing.identify.records.cycles import (
     SAME,
     Cycle,
     compute_measures,
+    describe_levels,
     level_amplitudes,
     loop_middles,
     measure_zeros,
@@ -593,6 +594,8 @@ def check_plausibility(record: TestRecord, bearing: Bearing) -> Iterator[Finding
         yield refuse("unit", f"{stated}, {comparison} has{suspected_slip(modulus, strain)}")
     else:
         yield note("unit", stated)
+    if levels := describe_levels(record, rubber):
+        yield note("strain", levels)
 
 
 def _check_conditioning(record: TestRecord, bearing: Bearing) -> Iterator[Finding]:
