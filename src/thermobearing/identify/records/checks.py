@@ -27,7 +27,6 @@ from thermobearing.identify.records.cycles import (
     SAME,
     Cycle,
     compute_measures,
-    describe_levels,
     level_amplitudes,
     loop_middles,
     measure_zeros,
@@ -47,7 +46,11 @@ from thermobearing.identify.records.treatment import (
     treat,
     warn,
 )
-from thermobearing.identify.records.turns import describe_coarse_samples, describe_cut_turns
+from thermobearing.identify.records.turns import (
+    describe_coarse_samples,
+    describe_cut_turns,
+    describe_levels,
+)
 from thermobearing.quantities.words import counted, percent
 from thermobearing.results.directory import FIGURES, write_directory
 from thermobearing.results.figure_style import Wanted, figure_style

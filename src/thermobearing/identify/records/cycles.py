@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.record import TestRecord
-from thermobearing.quantities.words import joined, number
 from thermobearing.results.loop import measure_loop
 from thermobearing.results.metrics import (
     CycleMeasures,
@@ -146,26 +145,6 @@ def level_amplitudes(record: TestRecord) -> dict[int, float]:
         for number, cycle in enumerate(full_cycles(record))
         if not cycle.closing
     }
-
-
-def describe_levels(record: TestRecord, rubber: float) -> str:
-    """Return which strains the amplitudes of a test are, of `rubber` [mm]; "" without cycles.
-
-    A wrong description of the bearing shows in strains at which nobody tests.
-    """
-    levels: list[float] = []
-    for size in sorted(level_amplitudes(record).values()):
-        if not levels or size / levels[-1] - 1.0 > SAME:
-            levels.append(size)
-    if not levels:
-        return ""
-    sizes = joined(number(size, ".3g") for size in levels)
-    strains = joined(number(100.0 * size / rubber, ".0f") for size in levels)
-    verb, noun = ("is", "amplitude") if len(levels) == 1 else ("are", "amplitudes")
-    return (
-        f"the {noun} {sizes} mm {verb} {strains} % shear strain of the {rubber:g} mm of "
-        "rubber of the bearing"
-    )
 
 
 def property_cycles(amplitudes: Sequence[Mapping[int, float]]) -> list[list[int]]:

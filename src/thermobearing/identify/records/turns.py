@@ -14,6 +14,7 @@ import numpy as np
 from thermobearing.core.records import Floats, Ints
 from thermobearing.identify.records.cycles import (
     NONE,
+    SAME,
     TURN,
     dead_band,
     estimate_noise,
@@ -22,7 +23,7 @@ from thermobearing.identify.records.cycles import (
 )
 from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.quantities.words import number, percent
+from thermobearing.quantities.words import joined, number, percent
 
 LINES = (6, 4, 2)  # samples beside a turn through which a straight line is put; in short legs fewer
 ROUNDED = 0.05  # of the largest cut: mean way of samples at turns from the lines
@@ -133,6 +134,27 @@ def turned_amplitudes(record: TestRecord) -> list[float]:
     """Return the amplitude of each full cycle [mm]; its turns may be between two samples."""
     ends = [(cycle.first, cycle.last) for cycle in full_cycles(record)]
     return amplitudes_between(record, ends)
+
+
+def describe_levels(record: TestRecord, rubber: float) -> str:
+    """Return which strains the amplitudes of a test are, of `rubber` [mm]; "" without cycles.
+
+    A wrong description of the bearing shows in strains at which nobody tests.
+    """
+    cycles = zip(full_cycles(record), turned_amplitudes(record), strict=True)
+    levels: list[float] = []
+    for size in sorted(size for cycle, size in cycles if not cycle.closing):
+        if not levels or size / levels[-1] - 1.0 > SAME:
+            levels.append(size)
+    if not levels:
+        return ""
+    sizes = joined(number(size, ".3g") for size in levels)
+    strains = joined(number(100.0 * size / rubber, ".0f") for size in levels)
+    verb, noun = ("is", "amplitude") if len(levels) == 1 else ("are", "amplitudes")
+    return (
+        f"the {noun} {sizes} mm {verb} {strains} % shear strain of the {rubber:g} mm of "
+        "rubber of the bearing"
+    )
 
 
 def amplitudes_between(record: TestRecord, ends: Sequence[tuple[int, int]]) -> list[float]:
