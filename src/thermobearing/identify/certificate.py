@@ -57,7 +57,7 @@ SIGNED = ("Tested by", "Calibrated by", "Approved by")
 PAGE_ROWS = 22
 OF_A_TABLE = 4  # rows that caption and heads of a table take
 LINE = 95  # letters of a statement in one line of the page
-USUAL_LINES = 7  # of the range, the specimen, the digest and one more
+USUAL_LINES = 9  # of the range, the specimen, the digests and one more
 MOST_WARNINGS = 3  # that are listed
 CONCERNS = re.compile("interval|standard error")  # what the tables of the page state
 SENTENCE_END = re.compile(r"(?<=[.!?])\s+")
@@ -69,7 +69,7 @@ MOST_FILES = 6  # of tests that are listed; inputs.sha256 has all
 MOST_LOOPS = 3  # panels of its figure, besides one of a test held out
 LOOP_WIDTHS = 3.4, 0.6  # of the band of a test and of the line of the model [pt]
 FIGURE_HEIGHT, LEAST_HEIGHT = 1.4, 1.2  # of the figure [inch], and where the page is full
-OVERFULL = -30  # rows of room below which the figure, which report.html has too, is left out
+OVERFULL = -34  # rows of room below which the figure, which report.html has too, is left out
 NOTE_LINE = 150  # letters of the small print below a table in one line of the page
 ABOUT = ["test", "use", "date", "ambient_degC"]
 ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
@@ -237,10 +237,7 @@ def _by_test(values: Row, missing: str) -> str:
 def _certified_digests(saved: SavedResult, records: Sequence[Row]) -> list[str]:
     """Return what identifies data and bearing, in words by which a reader can check it."""
     bearing = file_digest(saved.path / IDENTIFIED, LARGEST_MEMBER)
-    description = (
-        f"SHA-256 of {IDENTIFIED}, the description of the bearing (plan, layers, materials) with "
-        f"these parameters: `{bearing}`."
-    )
+    description = f"SHA-256 of {IDENTIFIED}, which describes the bearing: `{bearing}`."
     file = saved.path / INPUT_DIGESTS
     if is_file(file):
         count = counted(len(content.input_files(records)), "file")
@@ -306,8 +303,7 @@ def _first_cause(summary: Row) -> str:
     if first["key"] != CELLS:
         words += f", {size_words(first['size'], first['unit'])}"
     if not first.get("plausible", True):
-        errors = number(first["usual_errors"], ".3g")
-        return f"{NONE_PLAUSIBLE}{words} ({errors} usual errors; {first['cause']})"
+        return NONE_PLAUSIBLE
     cause = f" ({first['cause']})" if first.get("cause") else ""
     return f"Most plausible cause: {words}{cause}"
 

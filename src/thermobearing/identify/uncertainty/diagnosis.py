@@ -48,9 +48,9 @@ NOISY = 0.1  # of d_y: such noise changes the force after a reversal by a tenth 
 NONE_PLAUSIBLE = (
     "No assumed value explains this by a change of at most "
     f"{LARGEST_ERROR:g} usual errors: the description of the bearing (plan, number and thickness "
-    "of the rubber layers) or the clock of the tests may be wrong. Larger changes that would "
-    "explain it: "
+    "of the rubber layers) or the clock of the tests may be wrong"
 )
+LARGER = "Larger changes that would explain it: "
 
 
 def describe_weakness(problem: Problem, uncertainty: Uncertainty, d_y: float) -> list[str]:
@@ -115,7 +115,7 @@ def describe_misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
         ]
         words = "The likely cause: " if len(suspects) == 1 else CANNOT_TELL
         if not suspects[0].plausible:
-            words = NONE_PLAUSIBLE
+            words = f"{NONE_PLAUSIBLE}. {LARGER}"
         sentences.append(f"{MISFIT}. {words}{'; '.join(causes)}")
     evidence = list(uncertainty.assumed.evidence)
     if at_one_temperature(record.ambient for record in problem.records):  # freeing needs more
