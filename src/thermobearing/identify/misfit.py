@@ -82,13 +82,13 @@ def describe_differences(differences: Sequence[Difference]) -> str:
     sensors = [item for item in differences if item.signal != FORCE]
     parts = []
     if forces:
-        item = largest_by(forces, lambda item: item.rms / max(item.noise, 1e-12))
+        item = largest_by(forces, lambda item: item.rms)
         parts.append(
             f"the force most in {item.test}, by {_size(item, item.rms)} rms "
             f"({percent(item.rms / item.scale, 2)} of the peak, {_against_noise(item)})"
         )
     if sensors:
-        item = largest_by(sensors, lambda item: item.largest / item.scale)
+        item = largest_by(sensors, lambda item: item.largest)
         parts.append(
             f"the temperature rise most in {item.test}, {item.signal}, by up to "
             f"{_size(item, item.largest)} ({percent(item.largest / item.scale, 1)} of the rise, "

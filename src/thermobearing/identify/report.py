@@ -169,8 +169,10 @@ def _correlated(summary: Row) -> str:
         if abs(values[i, j]) >= STRONG
     ]
     if not pairs:
-        return f"No correlation reaches {STRONG:g}."
-    return f"Strongly correlated: {joined(pairs)}; interpret them together."
+        text = f"By the tests alone, no correlation reaches {STRONG:g}"
+    else:
+        text = f"By the tests alone strongly correlated: {joined(pairs)}; interpret them together"
+    return f"{text}. Errors of assumed values, which estimates share, correlate them more."
 
 
 def agreement_table(records: Sequence[Row]) -> Table:

@@ -45,7 +45,7 @@ STRAIGHT = 0.05  # of the amplitude: path before a rest used to extrapolate the 
 # K_d = (F_max - Q_d)/D of a bilinear loop through the same peak.
 BACKBONE_DEFINITION = (
     "Q_d is half the difference of the forces at zero displacement, K_d the slope of loading "
-    f"branches from {100.0 * FIT_FROM:.0f} to {100.0 * FIT_TO:.0f} % of the peak"
+    f"branches from {100.0 * FIT_FROM:.0f} to {100.0 * FIT_TO:.0f} % of the peak displacement"
 )
 THIRD_CYCLE = 3  # of an amplitude, whose properties codes take
 FEWEST_POINTS = 8  # in a cycle that is measured; 5 (zeros and peaks) where its work is known
@@ -61,7 +61,7 @@ class CycleMeasures:
     energy_kN_mm: float  # area of the loop
     stiffness_kN_mm: float  # (|f_max| + |f_min|) / (|d_max| + |d_min|)
     characteristic_strength_kN: float  # half the difference of the forces at zero displacement
-    post_yield_stiffness_kN_mm: float  # mean slope of both loading branches, 50 to 90 % of the peak
+    post_yield_stiffness_kN_mm: float  # mean of both loading branches, 50 to 90 % of peak x
     force_max_kN: float
     force_min_kN: float
     displacement_max_mm: float
