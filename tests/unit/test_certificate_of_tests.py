@@ -30,16 +30,16 @@ def made(ambient: float, name: str) -> tb.TestRecord:
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory: pytest.TempPathFactory) -> SavedResult:
-    found = tb.cross_validate(
+    validation = tb.cross_validate(
         [made(23.0, "warm"), made(-20.0, "cold")],
         SPECIMEN,
         hold_out=[made(0.0, "cool")],
         free=["K_r", "d_y"],
         starts=1,
     )
-    found = found.with_forecast(forecast(found.final, [-30.0]))
+    validation = validation.with_forecast(forecast(validation.final, [-30.0]))
     folder = tmp_path_factory.mktemp("fit")
-    result = tb.load_result(found.save(folder / "out", figures=False))
+    result = tb.load_result(validation.save(folder / "out", figures=False))
     assert isinstance(result, SavedResult)
     return result
 

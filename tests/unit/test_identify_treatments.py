@@ -136,15 +136,15 @@ def test_a_misfit_is_stated_with_its_signal_test_size_and_noise() -> None:
     wrong = tb.record_from_arrays(
         other.time, other.displacement, times * other.force, -10.0, name="wrong"
     )
-    found = tb.identify_bearing([noisy, wrong], "shen-hdr-specimen", free=["K_r"], starts=1)
-    forces = {item.test: item for item in found.differences if item.signal == FORCE}
+    calibration = tb.identify_bearing([noisy, wrong], "shen-hdr-specimen", free=["K_r"], starts=1)
+    forces = {item.test: item for item in calibration.differences if item.signal == FORCE}
     assert forces["wrong"].times_noise > 3.0
     assert forces[noisy.name].times_noise < 2.0
-    error = found.predictions[1].force - wrong.force
+    error = calibration.predictions[1].force - wrong.force
     assert forces["wrong"].rms == pytest.approx(float(error.std()), rel=0.02)
     assert forces["wrong"].noise == pytest.approx(0.001 * wrong.peak_force, rel=0.5)
-    assert "wrong" in describe_differences(found.differences)
-    assert found.summary()["difference"] == describe_differences(found.differences)
+    assert "wrong" in describe_differences(calibration.differences)
+    assert calibration.summary()["difference"] == describe_differences(calibration.differences)
 
 
 def test_measured_strains_are_one_number(cut: TestRecord, tmp_path: Path) -> None:

@@ -110,7 +110,7 @@ def test_a_trial_is_the_bridge_on_bilinear_bearings(
                 assert_allclose(float(rows.loc[line, f"{name}_ratio"]), peaks[0] / peaks[1])
         moment = alone.table["pier_moment_max_kN_m"].max()
         assert_allclose(float(rows.loc["on B", "pier_moment_links_kN_m"]), moment, rtol=1e-6)
-        # Pier A has no hinge, and so no moment of its own.
+        # Pier A has no hinge, and so no moment.
         assert rows.loc["on A", "pier_moment_links_kN_m"] == ""
 
 

@@ -92,11 +92,11 @@ def test_a_contradicted_curve_says_so_wherever_it_is_stated(method: Any, tmp_pat
     assert "contradicted" in figure.axes[0].get_title(loc="left")
     ticks = [text.get_text() for text in result.plot.rates().axes[1].get_xticklabels()]
     assert ["contradicted" in text for text in ticks] == [True, False, False, True]
-    told = write_pelicun(result, tmp_path / "pelicun")
+    warnings = write_pelicun(result, tmp_path / "pelicun")
     damage = pd.read_csv(tmp_path / "pelicun" / "damage.csv")
     assert damage["Incomplete"].tolist() == [1, 0, 0]
-    assert len(told) == 1
-    assert told[0].startswith(str(damage["ID"][0]))
+    assert len(warnings) == 1
+    assert warnings[0].startswith(str(damage["ID"][0]))
 
 
 def test_runs_that_stopped_are_counted_in_each_mode_and_ranked() -> None:
@@ -226,15 +226,15 @@ def test_figures_of_another_method_replace_no_others(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folders = []
-    whole = ask(made_up(), capacity=1.0)
-    monkeypatch.setattr("thermobearing.studies.result.study_result", lambda *_: whole)
+    study = ask(made_up(), capacity=1.0)
+    monkeypatch.setattr("thermobearing.studies.result.study_result", lambda *_: study)
 
     def note_folder(self: Any, folder: Path, **options: Any) -> list[Path]:
         folders.append(folder.relative_to(tmp_path).as_posix())
         return []
 
-    monkeypatch.setattr(type(whole.plot), "save_all", note_folder)
-    save_question(tmp_path, whole.question)
+    monkeypatch.setattr(type(study.plot), "save_all", note_folder)
+    save_question(tmp_path, study.question)
     for method in ("stripes", "cloud"):
         CliRunner().invoke(app, ["figures", str(tmp_path), "--method", method, "--quiet"])
     assert folders == ["figures", "figures/cloud"]

@@ -253,8 +253,8 @@ def test_capacities_that_are_not_known_contradict_no_curve() -> None:
     surely = compare_counts(at, "im", lambda im: np.where(np.asarray(im) > 2.5, 0.99, 0.4), 0.95)
     assert find_contradiction(surely.iloc[[2]]) is None
     never = compare_counts(at, "im", lambda im: np.full(len(im), 0.01), 0.95)
-    found = find_contradiction(never) or pytest.fail("one third exceed")
-    assert (found.beyond, found.runs) == (40, 120)
+    contradiction = find_contradiction(never) or pytest.fail("one third exceed")
+    assert (contradiction.beyond, contradiction.runs) == (40, 120)
     assert len(reached_counts(crossings, np.geomspace(1.0, 9.0, 200), "im")) == 10
 
 

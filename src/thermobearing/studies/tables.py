@@ -490,7 +490,7 @@ def _count_tables(
 ) -> dict[str, Table]:
     """Return the counts of each curve, which are to be used in place of one that they contradict.
 
-    Without a curve of its own, a temperature has its counts alone.
+    A temperature without a curve has its counts alone.
     """
     rows = []
     for level, curve in curves.items():

@@ -9,6 +9,7 @@ of the third (`first_loading`).
 import math
 import tomllib
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -59,6 +60,7 @@ STILL = 1e-6  # strain of a line that does not move, whose stiffness is not aske
 MEAN_RULE = "mean of seven"
 
 
+@cache
 def _mean_rule() -> dict[str, Any]:
     rules = read_toml(data_path("design", "peaks.toml"))["rules"]
     return next(dict(rule) for rule in rules if rule["name"] == MEAN_RULE)

@@ -33,11 +33,11 @@ from thermobearing.earthquake.properties.notes import (
     with_bounds,
 )
 from thermobearing.earthquake.properties.peaks import (
-    IN_A_ROW,
     MOST_HALVINGS,
     PEAKS,
     TOLERANCE,
     halving_clause,
+    is_settled,
     milliseconds,
 )
 from thermobearing.earthquake.properties.trials import (
@@ -165,7 +165,7 @@ def _steps_note(rows: "pd.DataFrame") -> str:
         steps.append(f"{words} at {' to '.join([*shown, milliseconds(ends[-1])])}")
         for row in rows.to_dict("records"):
             halvings, change = row[f"{name}_halvings"], row[f"{name}_change"]
-            if halvings < IN_A_ROW or change > TOLERANCE:
+            if not is_settled(halvings, change):
                 clause = halving_clause(halvings, change)
                 exceptions[f"{_analysis_name(row, name)}, {clause}"] = None
     text = (

@@ -65,7 +65,12 @@ class Settled(NamedTuple):
     @property
     def has_settled(self) -> bool:
         """Whether two halvings in a row moved no peak by more than the tolerance."""
-        return self.halvings >= IN_A_ROW and self.change <= TOLERANCE
+        return is_settled(self.halvings, self.change)
+
+
+def is_settled(halvings: int, change: float) -> bool:
+    """Return whether enough halvings in a row moved no peak by more than the tolerance."""
+    return halvings >= IN_A_ROW and change <= TOLERANCE
 
 
 def line_peaks(result: "EarthquakeResult") -> "pd.DataFrame":

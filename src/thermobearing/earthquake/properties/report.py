@@ -182,7 +182,7 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
         if row["cycle"] == FIRST
     ]:
         note = f"{note} Upper values of virgin rubber are of another cycle ({'; '.join(notes)})."
-    # Numbers of K_0 are in links.txt: a note is read beside its table.
+    # links.txt has the numbers of K_0, which would hide what the note says of the table.
     of_stiffness = plain(initial_stiffness_note(lines, with_numbers=False))
     note = " ".join([note, of_stiffness, plain(left_out_note(lines)), *_reservations(lines)])
     several_states = lines["state"].nunique() > 1

@@ -1,4 +1,4 @@
-"""Comparison of a fragility curve with the exceedances of its own runs.
+"""Comparison of a fragility curve with the exceedances of the runs behind it.
 
 At each level of the intensity, or in ten classes where more than ten intensities are drawn, the
 number of exceedances is compared with the binomial interval of the curve. The intervals contain
@@ -67,7 +67,7 @@ def compare_counts(
     """Return counts of levels or classes with the share of a curve and its binomial interval.
 
     Drawn intensities form at most ten classes of the same number of intensities, by more or less
-    one; each level of more is a row of its own, since a class would have no intensity of a run.
+    one; each level of more has a separate row, since a class would have no intensity of a run.
 
     Parameters
     ----------

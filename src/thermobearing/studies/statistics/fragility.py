@@ -332,7 +332,7 @@ class Fragility:
 
     @cached_property
     def contradiction(self) -> Contradiction | None:
-        """The count of its own runs that contradicts one curve most; None where none does."""
+        """The count of the runs behind one curve that contradicts it most; None where none does."""
         if len(self.parts) > 1 or not self.estimate.known:
             return None
         return find_contradiction(self.comparison)
@@ -366,7 +366,7 @@ class Fragility:
 
     @property
     def misfit(self) -> str:
-        """Why the curve contradicts the exceedances of its own runs; "" where it does not."""
+        """Why the curve contradicts the exceedances of its runs; "" where it does not."""
         sentence = f"{CONTRADICTS}: {self.misfit_words}" if self.misfit_words else ""
         if self.contradiction is None:
             return sentence
