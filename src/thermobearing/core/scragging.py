@@ -5,15 +5,20 @@ The stiffness terms of a layer are multiplied by
     elastic      1 + a v
     hysteretic   (1 + a v)^2 (1 + b e^{-D/(gamma t_r)})
 
-D is the largest |d| of the layer so far, v in [0, 1] its virgin share:
+D is the largest |d| so far, v in [0, 1] the virgin share of the layer:
 
     dv = -v |dd| / (c D) + (1 - v) dD / (l D)
 
 so v falls with the travel relative to the largest strain (Mullins) and comes back where the
-layer is strained further than ever before. After Grant, Fenves & Whittaker (2004), who have
+rubber is strained further than ever before. After Grant, Fenves & Whittaker (2004), who have
 one damage variable for the largest excursion (scragging) and one for the accumulated travel
 (Mullins); this form is ours. Recovery in rests is ignored. D and v are those of the start of a
 step: force and tangent of the step are what they are for constant stiffness.
+
+The d in both is the mean displacement of the layers, x/N, not that of one layer. Scragging can
+take more force from a layer than a larger displacement adds (at -20 degC, with the assumed b); with
+a D of its own, the layer ahead by a rounding error would then soften first and go further ahead in
+every step, so that the smaller the step, the more the peaks would depend on the processor.
 """
 
 import math
@@ -22,7 +27,7 @@ from thermobearing.core.compiled.kernel import compiled_apart
 from thermobearing.core.lanes.choose import any_lane, select
 from thermobearing.core.records import Rows
 from thermobearing.core.types import Layer, LayerWork, Rubber
-from thermobearing.core.vector import minus, norm
+from thermobearing.core.vector import Vector, minus, norm
 
 
 @compiled_apart
@@ -36,16 +41,18 @@ def stiffen(rubber: Rubber, layers: Rows[Layer], work: LayerWork) -> None:
 
 
 @compiled_apart
-def wear(rubber: Rubber, old: Rows[Layer], new: Rows[Layer]) -> None:
-    """Largest displacement and virgin share after a step."""
+def wear(
+    rubber: Rubber, old: Rows[Layer], new: Rows[Layer], mean_before: Vector, mean: Vector
+) -> None:
+    """Largest displacement and virgin share after a step that moves the layers to `mean`."""
+    size, moved = norm(mean), norm(minus(mean, mean_before))
     for j in range(len(old)):
         before = old[j].farthest
-        largest = max(before, norm(new[j].d))
+        largest = max(before, size)
         v = old[j].virgin
         strained = largest > 0.0
         if any_lane(strained):
-            travel = norm(minus(new[j].d, old[j].d)) / largest
-            worn = v * math.exp(-travel / rubber.mullins_decay)
+            worn = v * math.exp(-(moved / largest) / rubber.mullins_decay)
             growth = (largest - before) / largest
             worn = 1.0 - (1.0 - worn) * math.exp(-growth / rubber.mullins_renewal)
             v = select(strained, worn, v)

@@ -388,7 +388,10 @@ def settle(
     """
     old, response = state.response[0], new.response[0]
     if constants.rubber.virgin:
-        wear(constants.rubber, state.layers, new.layers)
+        share_of_layer = constants.rubber.layer_share
+        mean_before = scaled(old.displacement, share_of_layer)
+        mean = scaled(response.displacement, share_of_layer)
+        wear(constants.rubber, state.layers, new.layers, mean_before, mean)
     if constants.rubber.closed_loops:
         for j in range(len(new.layers)):
             moved = minus(new.layers[j].d, state.layers[j].d)

@@ -114,7 +114,7 @@ class Layer:
     d: Vector  # displacement d_j [mm]
     z: Vector  # hysteretic variable Z_j [mm]
     stored: float  # recoverable energy of one layer [kN mm]
-    farthest: float  # largest |d_j| so far [mm]
+    farthest: float  # largest mean displacement |x|/N so far [mm] (core/scragging.py)
     virgin: float  # share of the virgin stiffness that is left, 1 to 0
     turns: float  # turning points that are remembered, 0 to DEPTH (core/hysteresis.py)
     amplitude: float  # |Z| of the outermost of them [mm]; 0 without one
