@@ -13,7 +13,16 @@ from tests.quick import quick_cases
 from thermobearing.core.compiled.kernel import compiled
 from thermobearing.core.lanes import functions
 from thermobearing.core.lanes.choose import all_lanes, any_lane, no, select
-from thermobearing.core.lanes.memory import WIDTH, aligned, as_lanes, each_lane, side_by_side
+from thermobearing.core.lanes.memory import (
+    WIDTH,
+    aligned,
+    as_lanes,
+    each_lane,
+    refill,
+    restore,
+    side_by_side,
+    twin,
+)
 from thermobearing.core.records import Floats, rows
 from thermobearing.core.types import Layer, LeadCell
 
@@ -117,6 +126,26 @@ def test_records_side_by_side_and_back() -> None:
     assert_array_equal(own[0]["virgin"], parts[WIDTH - 2][1]["virgin"])
     assert_array_equal(own[0]["d"], 0.0)
     assert_array_equal(own[1], WIDTH - 2.0)
+
+
+def test_other_records_in_the_same_lanes() -> None:
+    """What was taken from the lanes before does not change with them."""
+    parts, others = (
+        [(np.full(1, k + first), np.full((2, 3), k - first)) for k in range(WIDTH)]
+        for first in (0.0, 100.0)
+    )
+    lanes = side_by_side(parts)
+    original = twin(lanes)
+    taken = each_lane(lanes, parts[0])
+    refill(lanes, others)
+    for joined, expected in zip(lanes, side_by_side(others), strict=True):
+        assert_array_equal(joined, expected)
+    for lane, (one, several) in enumerate(taken):
+        assert_array_equal(one, parts[lane][0])
+        assert_array_equal(several, parts[lane][1])
+    restore(lanes, original)
+    for joined, expected in zip(lanes, side_by_side(parts), strict=True):
+        assert_array_equal(joined, expected)
 
 
 @pytest.mark.parametrize("spoilt", [(np.zeros(4), 1), (np.zeros(3), 2)])

@@ -345,6 +345,17 @@ def test_order_of_bridges_does_not_matter() -> None:
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
 
 
+def test_groups_of_a_lockstep_leave_no_traces_in_each_other() -> None:
+    """All groups are written into the same lanes: neither results nor starts may be shared."""
+    runs = shakes(duration=2.0)
+    halves = [dataclasses.replace(run, ground=0.5 * run.ground) for run in runs]
+    together = run_lanes([*runs, *halves])
+    apart = [*run_lanes(runs), *run_lanes(halves)]
+    for one, other in zip(together, apart, strict=True):
+        mine, theirs = list_numbers(one), list_numbers(other)
+        assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
+
+
 @pytest.mark.thorough
 def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
     runs = shakes(duration=3.0)[:2]

@@ -396,12 +396,20 @@ def new_state(
     state.layers["virgin"] = 1.0
     state.branches["idle"] = NEVER_MOVED
     if constants.lead.cores > 0.0:
-        # Mean of the cells that lie next to the lead, by the height of lead there.
-        height = constants.cells.beside_lead
-        mean = float(height @ temperature / height.sum())
-        lead = mean if lead_temperature is None else lead_temperature
+        lead = lead_at_start(constants, temperature, lead_temperature)
         state.branches["lead_temperature"] = state.response["lead_temperature"] = lead
     return state
+
+
+def lead_at_start(
+    constants: Constants, temperature: Floats, lead_temperature: float | None = None
+) -> float:
+    """Return the temperature of the lead of a virgin bearing [degC], as `new_state` says."""
+    if lead_temperature is not None:
+        return lead_temperature
+    # Mean of the cells that lie next to the lead, by the height of lead there.
+    height = constants.cells.beside_lead
+    return float(height @ temperature / height.sum())
 
 
 def new_workspace(constants: Constants, components: int = 1) -> Workspace:

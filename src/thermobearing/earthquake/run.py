@@ -15,7 +15,7 @@ The coupled step gives the matrix from unit temperatures, in the growing steps o
 
 import os
 import pathlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -310,7 +310,11 @@ def find_outcome(
 
     The arguments are those of `passed_limits`.
     """
-    limits = passed_limits(task, displacements, rotations, top_displacements)
+    return outcome_by_limits(passed_limits(task, displacements, rotations, top_displacements))
+
+
+def outcome_by_limits(limits: Collection[str]) -> str:
+    """Return the outcome of a run that reached its end from the limits of `passed_limits`."""
     if STRAIN_LIMIT in limits:
         return NOT_PHYSICAL
     return PIER_BEYOND_LIMIT if PIER_LIMIT in limits else COMPLETED

@@ -89,8 +89,10 @@ def is_physical(constants: Constants, state: State, recoverable_before: float = 
     temperature of a lead of endless heat capacity (the bilinear model) is a noticeable heat.
     """
     lead = constants.lead
-    rounding = lead.cores * lead.capacity * np.spacing(abs(state.branches[0].lead_temperature))
-    noticeable = rounding > MISSING * LEAST
+    noticeable = False
+    if lead.cores > 0.0:
+        finest = np.spacing(abs(state.branches["lead_temperature"][0]))
+        noticeable = bool(lead.cores * lead.capacity * finest > MISSING * LEAST)
     return bool(
         plain(is_possible, state)(
             np.ascontiguousarray(state.temperature),

@@ -76,7 +76,7 @@ def compared(
         slack_kelvin = SLACK_KELVIN if slack and units[name] == "degC" else 0.0
         value = reached.get(name, np.nan)
         ends = value if isinstance(value, tuple) else (value, value)
-        if not np.isfinite(ends).all():
+        if not all(map(math.isfinite, ends)):
             continue
         allowance = max(slack * max(high - low, abs(high)), slack_kelvin)
         below, above = low - ends[0], ends[1] - high

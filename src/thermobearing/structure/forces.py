@@ -21,6 +21,7 @@ from thermobearing.core.types import (
     State,
     Vectors,
     Workspace,
+    lead_at_start,
     new_state,
     new_workspace,
 )
@@ -200,6 +201,31 @@ def start_states(
         )
     ]
     return tuple(side_by_side([starts[b] for b in numbers]) for numbers in line_kinds(constants))
+
+
+def start_again(
+    kinds: Bearings,
+    virgin: Sequence[Any],
+    constants: Sequence[Constants],
+    temperatures: Sequence[Floats],
+    leads: Sequence[float | None],
+) -> tuple[Any, ...]:
+    """States of each kind as those of `virgin` bearings, but at other temperatures.
+
+    Same numbers as of `start_states`; arrays that no temperature changes are those of `virgin`, so
+    that runs in lockstep share them.
+    """
+    states = []
+    for kind, state in zip(kinds, virgin, strict=True):
+        numbers = kind.lines.tolist()
+        cells = np.array([temperatures[b] for b in numbers], dtype=np.float64)
+        branches, response = state.branches, state.response
+        if constants[numbers[0]].lead.cores > 0.0:
+            branches, response = branches.copy(), response.copy()
+            lead = [[lead_at_start(constants[b], temperatures[b], leads[b])] for b in numbers]
+            branches["lead_temperature"] = response["lead_temperature"] = lead
+        states.append(state._replace(temperature=cells, branches=branches, response=response))
+    return tuple(states)
 
 
 SHORTEST = 1e-6  # s: step of a bearing that is on its own clock and does not move

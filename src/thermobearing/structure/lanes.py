@@ -13,7 +13,15 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from thermobearing.core.lanes.memory import WIDTH, aligned, each_lane, side_by_side, twin
+from thermobearing.core.lanes.memory import (
+    WIDTH,
+    aligned,
+    each_lane,
+    refill,
+    restore,
+    side_by_side,
+    twin,
+)
 from thermobearing.core.records import Floats, Ints, Rows, rows
 from thermobearing.core.types import (
     COMPLETED,
@@ -31,6 +39,7 @@ from thermobearing.structure.forces import (
     build_bearings,
     line_kinds,
     split,
+    start_again,
     start_states,
 )
 from thermobearing.structure.newmark import lanes_march, peaks_march, plane_lanes_march, plane_march
@@ -176,8 +185,8 @@ def _collect_peaks(
     return RunPeaks(
         outcome=outcome_name,
         steps=steps,
-        iterations=int(energies[0].iterations),
-        substeps=int(energies[0].substeps),
+        iterations=int(energies["iterations"][0]),
+        substeps=int(energies["substeps"][0]),
         watches=watches,
         lines=lines,
         hinges=hinges,
@@ -277,8 +286,11 @@ def _constants_shape(constants: Constants) -> Any:
     )
 
 
-def _likeness(run: Run) -> Any:
-    """Return what runs in one lockstep have in common."""
+def _likeness(run: Run, shapes: dict[int, Any]) -> Any:
+    """Return what runs in one lockstep have in common.
+
+    `shapes` keeps that of constants by their address, for other runs with the same ones.
+    """
     _check_method(run)
     matrices, constants = run.prepared.matrices, [line.constants for line in run.lines]
     sizes = run.ground.shape, len(matrices.load)
@@ -287,9 +299,11 @@ def _likeness(run: Run) -> Any:
     kinds: list[Any] = []
     for numbers in line_kinds(constants):
         kind_constants = constants[numbers[0]]
-        # Cells are shared in a lockstep (`SharedCells`), so they must be alike to the bit.
-        heat = b"".join(array.tobytes() for array in kind_constants.cells)
-        kinds.append((tuple(numbers), _constants_shape(kind_constants), heat))
+        if id(kind_constants) not in shapes:
+            # Cells are shared in a lockstep (`SharedCells`), so they must be alike to the bit.
+            heat = b"".join(array.tobytes() for array in kind_constants.cells)
+            shapes[id(kind_constants)] = _constants_shape(kind_constants), heat
+        kinds.append((tuple(numbers), shapes[id(kind_constants)]))
     devices = tuple(
         (device.kind, len(device.oil()[0])) for device in run.prepared.structure.device_list
     )
@@ -317,13 +331,14 @@ def run_lanes(runs: Sequence[Run]) -> list[RunPeaks]:
     locksteps: dict[Any, Lockstep] = {}
     waiting: dict[Any, list[int]] = {}
     results: dict[int, RunPeaks] = {}
+    shapes: dict[int, Any] = {}
 
     def _finish(key: Any, together: list[int]) -> None:
         peaks = locksteps[key].shake([runs[k] for k in together])
         results.update(zip(together, peaks, strict=True))
 
     for number, run in enumerate(runs):
-        key = _likeness(run)
+        key = _likeness(run, shapes)
         if key not in locksteps:
             locksteps[key] = Lockstep(run)
         waiting.setdefault(key, []).append(number)
@@ -368,11 +383,18 @@ class Lockstep:
     def __init__(self, run: Run) -> None:
         system = build_system(run.prepared, run.lines)
         self.keep = _none_kept(run)
+        constants, temperatures, leads, _, components = start_arguments(run.prepared, run.lines)
         self.bearings = build_bearings(*start_arguments(run.prepared, run.lines))
+        self.virgin = start_states(constants, temperatures, leads, None, components)
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
         work = tuple((kind.durations, *_scratch(kind)) for kind in self.bearings)
         self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
+        # What a march writes into; the originals above serve the next runs.
+        self.lanes = twin(self.scratch)
+        self.states: list[Any] = []  # of each kind: states, trial states, and bearings of both
+        self.ground, self.dt = side_by_side([(run.ground, float(run.dt))] * WIDTH)
+        self.ambient = aligned((len(self.keep), WIDTH), np.float64)
         self._systems: dict[Any, types.System] = {}
         self._joined: dict[Any, tuple[Sequence[Any], Any]] = {}
 
@@ -380,9 +402,9 @@ class Lockstep:
         """Return the peaks of at most WIDTH runs; empty lanes repeat the last."""
         # All lanes run: those without a run of their own repeat one, and are not read.
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
-        starts = [start_states(*start_arguments(run.prepared, run.lines)) for run in filled]
-        # The march writes into these; the originals serve the next runs.
-        work, motion, peaks = twin(self.scratch)
+        starts = [self._start(run) for run in filled]
+        restore(self.lanes, self.scratch)
+        work, motion, peaks = self.lanes
         places, carried = side_by_side([_watched(run) for run in filled])
         bearings = self._bearings(filled, starts, work)
         outcomes = aligned((1, WIDTH), np.float64)
@@ -414,11 +436,17 @@ class Lockstep:
             for lane, run in enumerate(runs)
         ]
 
+    def _start(self, run: Run) -> tuple[Any, ...]:
+        """Return the states of the bearings of a run at its start."""
+        constants, temperatures, leads, begun, components = start_arguments(run.prepared, run.lines)
+        if any(state is not None for state in begun):
+            return start_states(constants, temperatures, leads, begun, components)
+        return start_again(self.bearings, self.virgin, constants, temperatures, leads)
+
     def _shaking(self, runs: Sequence[Run]) -> types.Shaking:
-        ground, dt = side_by_side([(run.ground, float(run.dt)) for run in runs])
-        ambient = aligned((len(self.keep), WIDTH), np.float64)
-        ambient[:] = [run.ambient for run in runs]
-        return types.Shaking(ground, dt, ambient, self.keep)
+        refill(self.ground, [run.ground for run in runs])
+        self.ambient[:] = [run.ambient for run in runs]
+        return types.Shaking(self.ground, self.dt, self.ambient, self.keep)
 
     def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
         """Return the bearings of some runs as one, with their states at the start."""
@@ -426,9 +454,16 @@ class Lockstep:
         for k, kind in enumerate(self.bearings):
             line = int(kind.lines[0])
             constants = self._once([run.lines[line].constants for run in runs], with_shared_cells)
-            states = side_by_side([start[k] for start in starts])
+            starts_of_kind = [start[k] for start in starts]
             durations, scratch, elastic, hysteretic = work[k]
-            bearings = split(scratch, elastic, hysteretic, states, twin(states))
+            if k == len(self.states):
+                joined = side_by_side(starts_of_kind)
+                trials = twin(joined)
+                split_bearings = split(scratch, elastic, hysteretic, joined, trials)
+                self.states.append((joined, trials, split_bearings))
+            states, trials, bearings = self.states[k]
+            refill(states, starts_of_kind)
+            restore(trials, states)
             kinds.append(Kind(constants, kind.lines, durations, states, bearings))
         return tuple(kinds)
 

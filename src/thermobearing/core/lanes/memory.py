@@ -5,6 +5,7 @@ runs along its last axis, integers and choices must be alike. In a kernel `as_la
 same memory the types that the kernels want: the last axis becomes a lane.
 """
 
+import ctypes
 import math
 from collections.abc import Sequence
 from functools import cache
@@ -24,8 +25,10 @@ def aligned(shape: tuple[int, ...], dtype: Any) -> Any:
     """An array of zeros that starts where vectors load fast."""
     size = math.prod(shape) * np.dtype(dtype).itemsize
     memory = np.zeros(size + ALIGNED, dtype=np.uint8)
-    # numpy need not align as much; a little more memory has such a place.
-    first = -memory.ctypes.data % ALIGNED
+    # numpy need not align as much; a little more memory has such a place. `memory.ctypes.data` is
+    # the same address, but takes four times as long.
+    start: Any = memory
+    first = -ctypes.addressof(ctypes.c_byte.from_buffer(start)) % ALIGNED
     return memory[first : first + size].view(dtype).reshape(shape)
 
 
@@ -115,6 +118,33 @@ def _columns_side_by_side(columns: Sequence[Any]) -> list[Any]:
     return [lanes[k] if k in lanes else side_by_side(values) for k, values in enumerate(columns)]
 
 
+def refill(joined: Any, parts: Sequence[Any]) -> None:
+    """Write other runs into what `side_by_side` made of runs of the same shapes.
+
+    Only floats: arrays, and tuples of them.
+    """
+    if isinstance(joined, tuple):
+        for column, runs in zip(joined, zip(*parts, strict=True), strict=True):
+            refill(column, runs)
+    elif joined.size:
+        spread(parts, _lanes_of(joined, parts[0]))
+
+
+def _lanes_of(joined: Any, like: Any) -> Any:
+    """Return the floats of lanes with the numbers of a record along an axis of their own."""
+    shape = (*like.shape, *_row_shape(like.dtype), WIDTH)
+    return joined.reshape(-1).view(np.float64).reshape(shape)
+
+
+def restore(copy: Any, joined: Any) -> None:
+    """Write the numbers of some arrays into those that `twin` made of them."""
+    if isinstance(joined, tuple):
+        for written, original in zip(copy, joined, strict=True):
+            restore(written, original)
+    else:
+        copy[...] = joined
+
+
 def spread(arrays: Sequence[Any], lanes: Any) -> None:
     """Write the floats of arrays of one shape into lanes; one array for all is spread at once."""
     first = arrays[0]
@@ -158,10 +188,8 @@ def each_lane(joined: Any, like: T) -> list[T]:
         return [_rebuilt(like, parts) for parts in zip(*columns, strict=True)]
     if not template.size:
         return [like] * WIDTH
-    shape = (*template.shape, *_row_shape(template.dtype), WIDTH)
-    lane_first = np.ascontiguousarray(
-        np.moveaxis(joined.reshape(-1).view(np.float64).reshape(shape), -1, 0)
-    )
+    # A copy in any case: the next runs in lockstep are written into the same lanes.
+    lane_first = np.array(np.moveaxis(_lanes_of(joined, template), -1, 0), order="C")
     separate: Any = lane_first.reshape(-1).view(template.dtype).reshape(WIDTH, *template.shape)
     return list(separate)
 

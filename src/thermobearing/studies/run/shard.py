@@ -33,9 +33,9 @@ from thermobearing.earthquake.run import (
     STRAIN_LIMIT,
     Task,
     ended_unstable,
-    find_outcome,
     largest_rotations,
     lines_to_shake,
+    outcome_by_limits,
     passed_limits,
     run_task,
 )
@@ -109,6 +109,8 @@ DRIFTS: Final = "pier_part_displacement_max"
 
 # Of a bearing line: largest displacement [mm] and speed [mm/s], ends of the lead [degC].
 Extent: TypeAlias = tuple[float, float, Ends | None]
+# Displacements to watch, and which of them the ground carries, as `Run` has them.
+Watches: TypeAlias = tuple[Floats, Floats]
 SENTENCES_BY_OUTCOME = ALL_SENTENCES | AXIAL_SENTENCES
 
 
@@ -124,7 +126,9 @@ def _measure_all(
 ) -> Iterator[Measured]:
     """Run tasks; keep every n-th step of their histories (0: none). A failure is an outcome."""
     if lockstep and not keep_every:
-        for task, peaks in zip(tasks, run_lanes([_to_shake(task) for task in tasks]), strict=True):
+        watches: dict[int, Watches] = {}
+        runs = [_to_shake(task, watches) for task in tasks]
+        for task, peaks in zip(tasks, run_lanes(runs), strict=True):
             yield Measured(_numbers_of_peaks(task, peaks))
         return
     for task in tasks:
@@ -142,18 +146,25 @@ def _measure_all(
         yield Measured(numbers, kept or None)
 
 
-def _to_shake(task: Task) -> Run:
-    """Return a run in lockstep that records the peaks of each pier, its top, and the deck."""
-    piers, shaking = task.prepared.piers, task.shaking
-    watched = [row for _, top, base in piers for row in (top - base, top)]
+def _to_shake(task: Task, watches: dict[int, Watches]) -> Run:
+    """Return a run in lockstep that records the peaks of each pier, its top, and the deck.
+
+    `watches` keeps these displacements by the address of a structure, for its other runs.
+    """
+    prepared, shaking = task.prepared, task.shaking
+    if id(prepared) not in watches:
+        watched = [row for _, top, base in prepared.piers for row in (top - base, top)]
+        carried = [*[0.0, 1.0] * len(prepared.piers), 1.0]  # the ground carries tops and deck
+        watches[id(prepared)] = np.array([*watched, prepared.deck]), np.array(carried)
+    places, carried_by_ground = watches[id(prepared)]
     return Run(
-        task.prepared,
+        prepared,
         lines_to_shake(task),
         shaking.ground,
         shaking.dt,
         task.ambient,
-        places=np.array([*watched, task.prepared.deck]),
-        carried=np.array([*[0.0, 1.0] * len(piers), 1.0]),  # the ground carries tops and deck
+        places=places,
+        carried=carried_by_ground,
         method=task.case.analysis.method,
         vertical=shaking.vertical,
     )
@@ -162,38 +173,40 @@ def _to_shake(task: Task) -> Run:
 def _numbers(task: Task, history: StructureHistory, traces: Mapping[str, Floats]) -> dict[str, Any]:
     lines, piers = measures.line_peaks(task, history), measures.pier_peaks(task, history)
     end_displacements = [history.bearing(line)["displacement"][-1] for line in range(len(lines))]
+    extents = [_extent(history.bearing(line), task, line) for line in range(len(lines))]
+    tops = [row[DRIFTS] for row in piers]
     row = _row(
         task,
         measures.compute_measures(task, history, traces, (lines, piers)),
         end_displacements=np.array(end_displacements),
-        rotations=largest_rotations(history),
-        tops=[row[DRIFTS] for row in piers],
+        limits=passed_limits(task, [line[0] for line in extents], largest_rotations(history), tops),
+        tops=tops,
         deck=traces["deck_displacement"][-1],
         rubber=(line["line_rubber_temperature_max"] for line in lines),
         lead=(line["line_lead_temperature_max"] for line in lines),
-        extents=[_extent(history.bearing(line), task, line) for line in range(len(lines))],
+        extents=extents,
     )
     return row | run_extremes(history.axial)
 
 
 def _numbers_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
     """Return a value for each of `RESULT_COLUMNS` from the peaks of a run in lockstep."""
-    measured = _measures_of_peaks(task, peaks)
+    devices = [line.device for line in task.lines]
+    named_lines, rotations = _named(peaks.lines), peaks.hinges["rotation"].tolist()
+    measured = _measures_of_peaks(task, peaks, named_lines)
     # The watches are those of `_to_shake`: each pier relative to its base, its top, then the deck.
     tops = peaks.watches["displacement"][:DECK:2].tolist()
+    limits = passed_limits(task, [line["displacement"] for line in named_lines], rotations, tops)
     if ended_unstable(peaks.outcome, peaks.axial):
         measured["outcome"] = UNSTABLE
     elif peaks.outcome == COMPLETED:
-        displacements = [line["displacement"] for line in _named(peaks.lines)]
-        outcome = find_outcome(task, displacements, peaks.hinges["rotation"].tolist(), tops)
-        measured["outcome"] = with_axial_outcome(outcome, peaks.axial)
-    devices = [line.device for line in task.lines]
-    line_peaks = list(zip(_named(peaks.lines), devices, strict=True))
+        measured["outcome"] = with_axial_outcome(outcome_by_limits(limits), peaks.axial)
+    line_peaks = list(zip(named_lines, devices, strict=True))
     row = _row(
         task,
         measured,
         end_displacements=peaks.bearings["displacement"],
-        rotations=peaks.hinges["rotation"].tolist(),
+        limits=limits,
         tops=tops,
         deck=measures.with_resultant(peaks.watches["residual"])[DECK],
         rubber=(
@@ -250,7 +263,7 @@ def _beyond_tested(task: Task, extents: Sequence[Extent]) -> str:
 
 def _overall(value: Any) -> Any:
     """Return a number, of a structure in plan the last of x, y and resultant."""
-    return value[-1] if np.ndim(value) else value
+    return value[-1] if isinstance(value, (np.ndarray, list)) and np.ndim(value) else value
 
 
 def _named(records: Any) -> list[dict[str, float]]:
@@ -264,9 +277,11 @@ def _named(records: Any) -> list[dict[str, float]]:
     return dictionaries
 
 
-def _measures_of_peaks(task: Task, peaks: RunPeaks) -> dict[str, Any]:
+def _measures_of_peaks(
+    task: Task, peaks: RunPeaks, lines: Sequence[Mapping[str, float]]
+) -> dict[str, Any]:
     """Return the measures of `compute_measures` from peaks; the bearings begin at rest."""
-    bearings, lines = _named(peaks.bearings), _named(peaks.lines)
+    bearings = _named(peaks.bearings)
     bearing, energies = bearings[task.reported_line], _named(peaks.energies)[0]
     *piers, deck = _named(peaks.watches)
     present = [
@@ -325,7 +340,7 @@ def _row(
     measured: Mapping[str, Any],
     *,
     end_displacements: Floats,
-    rotations: Sequence[Any],
+    limits: list[str],
     tops: Sequence[Any],
     deck: Any,
     rubber: Iterable[float],
@@ -335,7 +350,6 @@ def _row(
     """Return all columns, from the measures of a run and those that only a study has."""
     outcome = measured["outcome"]
     # In the order of time as far as peaks show it: a run ends where its lead melts.
-    limits = passed_limits(task, [line[0] for line in extents], rotations, tops)
     if outcome == MELTED:
         limits.insert(int(STRAIN_LIMIT in limits), LEAD_LIMIT)
     if end_displacements.ndim > 1:  # in plan
@@ -373,7 +387,7 @@ def _not_run(error: Exception) -> Measured:
     return Measured(numbers | texts)
 
 
-BATCH = 256  # runs that are prepared at a time, to fill the lanes in lockstep
+BATCH = 512  # runs that are prepared at a time, to fill the lanes in lockstep
 
 
 class KeptHistory(NamedTuple):
