@@ -533,13 +533,13 @@ def _enlarged(assumed: Sequence[Row]) -> str:
         name = OF_ONE_TEST.sub("", str(item["name"]))
         factors[name] = max(factors.get(name, 0.0), item.get("enlarged_by") or 0.0)
     parts = [
-        f"{name} {number(factor, '.2g')}" for name, factor in factors.items() if factor >= LARGER
+        f"{name} by {number(factor, '.2g')}" for name, factor in factors.items() if factor >= LARGER
     ]
     if not parts:
         return ""
     return (
-        "Model and test differ by more than noise: intervals and draws contain these errors "
-        f"enlarged, so that they explain it: {joined(parts)} times. "
+        "Since model and tests differ by more than noise, some of these errors were multiplied "
+        f"until they explain the difference ({joined(parts)}), in intervals and draws too. "
     )
 
 
