@@ -457,7 +457,7 @@ def test_the_note_states_by_how_much_a_misfit_enlarges_errors() -> None:
     rows = [{"name": name, "enlarged_by": by} for name, by in (("film", 7.04), ("scale", 1.2))]
     rows.append({"name": "ambient temperature of 22.7 degC", "enlarged_by": 2.0})
     note = _enlarged(rows)
-    assert "film 7 and ambient temperature 2 times" in note
+    assert "film by 7 and ambient temperature by 2" in note
     assert "scale" not in note
     assert _enlarged(rows[1:2]) == ""
 
