@@ -4,7 +4,7 @@ import shlex
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Unpack
+from typing import Any, TypeVar, Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -81,6 +81,7 @@ from thermobearing.studies.tables import (
     result_tables,
 )
 
+T = TypeVar("T")
 FACES = ("upper_face", "lower_face", "side")
 
 
@@ -124,7 +125,7 @@ class StudyResult(Result):
         self.directory, self.question = Path(directory), question or Question()
         self._parts: tuple[Question, dict[str, StudyResult]] | None = None
         self._curve_cache: tuple[Question, dict[Any, Fragility], Fragility | None] | None = None
-        self._statistics: dict[Hashable, pd.DataFrame] = {}
+        self._statistics: dict[Hashable, Any] = {}
 
     @property
     def runs(self) -> int:
@@ -153,7 +154,9 @@ class StudyResult(Result):
         """Columns of factors that vary between runs."""
         dotted = list(self.study.factors.numbers)
         columns = [name for name in (*NAMED_FACTORS, *NUMBERS, *dotted) if name in self.table]
-        return [name for name in columns if self.table[name].nunique() > 1]
+        return self._once(
+            ("factors",), lambda: [name for name in columns if self.table[name].nunique() > 1]
+        )
 
     @property
     def things(self) -> list[str]:
@@ -276,11 +279,12 @@ class StudyResult(Result):
             lambda: demand_against(self.table, name, across, by=by, failed=failed, least=least),
         )
 
-    def _once(self, key: tuple[Any, ...], compute: Callable[[], "pd.DataFrame"]) -> "pd.DataFrame":
+    def _once(self, key: tuple[Any, ...], compute: Callable[[], T]) -> T:
         """Return a copy of statistics computed once; of a million runs they take seconds."""
         if key not in self._statistics:
             self._statistics[key] = compute()
-        return self._statistics[key].copy()
+        statistics: Any = self._statistics[key]
+        return cast(T, statistics if isinstance(statistics, tuple) else statistics.copy())
 
     def ida(
         self,
@@ -610,8 +614,8 @@ class StudyResult(Result):
     def lost_demands(self) -> Lost:
         """Return how many runs the variance of the demand of the question lacks, and which."""
         factors = {name: (column_words(name), find_unit(name)) for name in self._variance_factors()}
-        demand = self.demand_name
-        return find_lost(self.table, demand, factors, sobol=self._has_sobol_design)
+        name, sobol = self.demand_name, self._has_sobol_design
+        return self._once(("lost", name), lambda: find_lost(self.table, name, factors, sobol=sobol))
 
     def _variance_factors(self) -> list[str]:
         factors = [factor for factor in self.factors if factor != HOUR]

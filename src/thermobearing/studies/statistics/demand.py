@@ -567,9 +567,11 @@ def extrapolations(
             missing = NO_RANGE_STATED if ranges is None else NOT_COMPARED
             warnings.append(Warned(missing, NO_RANGE, UNTESTED, level.name))
             continue
-        passed = [set(str(text or "").split()) for text in runs[BEYOND_TESTED]]
-        counts = _outside_by_limit(runs, passed, {} if own_lines else ranges)
-        outside = sum(map(bool, passed))
+        # Of very many runs few texts differ.
+        kinds, texts = pd.factorize(runs[BEYOND_TESTED], use_na_sentinel=False)
+        passed = [set(str(text or "").split()) for text in texts]
+        counts = _outside_by_limit(runs, passed, kinds, {} if own_lines else ranges)
+        outside = int(np.array([bool(names) for names in passed])[kinds].sum())
         if outside > least * len(runs):
             by_count = sorted(counts.items(), key=lambda entry: -entry[1])
             stated = joined(f"{words} in {runs_outside}" for words, runs_outside in by_count)
@@ -583,13 +585,19 @@ def extrapolations(
 
 
 def _outside_by_limit(
-    runs: "pd.DataFrame", passed: Sequence[set[str]], ranges: Mapping[str, Ends]
+    runs: "pd.DataFrame",
+    passed: Sequence[set[str]],
+    kinds: NDArray[np.intp],
+    ranges: Mapping[str, Ends],
 ) -> Counter[str]:
-    """Return the number of runs outside each limit, by its words: "strain below 50 %"."""
+    """Return the number of runs outside each limit, by its words: "strain below 50 %".
+
+    `passed` has the limits that are passed by runs of each kind, `kinds` the kind of each run.
+    """
     counts: Counter[str] = Counter()
     for limit in dict.fromkeys(name for names in passed for name in TESTED if name in names):
         _, title, factor, unit = TESTED[limit]
-        outside = np.array([limit in names for names in passed])
+        outside = np.array([limit in names for names in passed])[kinds]
         if limit not in ranges:
             counts[title] = int(outside.sum())
             continue
