@@ -16,9 +16,9 @@ one damage variable for the largest excursion (scragging) and one for the accumu
 step: force and tangent of the step are what they are for constant stiffness.
 
 The d in both is the mean displacement of the layers, x/N, not that of one layer. Scragging can
-take more force from a layer than a larger displacement adds (at -20 degC, with the assumed b); with
-a D of its own, the layer ahead by a rounding error would then soften first and go further ahead in
-every step, so that the smaller the step, the more the peaks would depend on the processor.
+take more force from a layer than a larger displacement adds (at -20 degC, with the assumed b). If
+each layer had a separate D, the one ahead by a rounding error would then soften first and go
+further ahead in every step: the smaller the step, the more peaks would depend on the processor.
 """
 
 import math

@@ -204,8 +204,7 @@ def start_states(
 
 
 def start_again(
-    kinds: Bearings,
-    virgin: Sequence[Any],
+    virgin: Bearings,
     constants: Sequence[Constants],
     temperatures: Sequence[Floats],
     leads: Sequence[float | None],
@@ -216,8 +215,8 @@ def start_again(
     that runs in lockstep share them.
     """
     states = []
-    for kind, state in zip(kinds, virgin, strict=True):
-        numbers = kind.lines.tolist()
+    for kind in virgin:
+        numbers, state = kind.lines.tolist(), kind.states
         cells = np.array([temperatures[b] for b in numbers], dtype=np.float64)
         branches, response = state.branches, state.response
         if constants[numbers[0]].lead.cores > 0.0:

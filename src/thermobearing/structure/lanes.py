@@ -384,15 +384,20 @@ class Lockstep:
         system = build_system(run.prepared, run.lines)
         self.keep = _none_kept(run)
         constants, temperatures, leads, _, components = start_arguments(run.prepared, run.lines)
-        self.bearings = build_bearings(*start_arguments(run.prepared, run.lines))
-        self.virgin = start_states(constants, temperatures, leads, None, components)
+        self.bearings = build_bearings(constants, temperatures, leads, None, components)
         self.motion, self.peaks = new_motion(system), _empty_peaks(run, system)
-        work = tuple((kind.durations, *_scratch(kind)) for kind in self.bearings)
-        self.scratch = side_by_side([(work, self.motion, self.peaks)] * WIDTH)
+        originals = tuple((kind.durations, *_scratch(kind)) for kind in self.bearings)
+        self.scratch = side_by_side([(originals, self.motion, self.peaks)] * WIDTH)
         self.rows = side_by_side([_no_rows(system, self.bearings)] * WIDTH)
         # What a march writes into; the originals above serve the next runs.
         self.lanes = twin(self.scratch)
-        self.states: list[Any] = []  # of each kind: states, trial states, and bearings of both
+        self.states = [side_by_side([kind.states] * WIDTH) for kind in self.bearings]
+        self.trials = twin(tuple(self.states))
+        work = self.lanes[0]
+        self.split = [
+            split(scratch, elastic, hysteretic, self.states[k], self.trials[k])
+            for k, (_, scratch, elastic, hysteretic) in enumerate(work)
+        ]
         self.ground, self.dt = side_by_side([(run.ground, float(run.dt))] * WIDTH)
         self.ambient = aligned((len(self.keep), WIDTH), np.float64)
         self._systems: dict[Any, types.System] = {}
@@ -404,9 +409,9 @@ class Lockstep:
         filled = [*runs, *[runs[-1]] * (WIDTH - len(runs))]
         starts = [self._start(run) for run in filled]
         restore(self.lanes, self.scratch)
-        work, motion, peaks = self.lanes
+        _, motion, peaks = self.lanes
         places, carried = side_by_side([_watched(run) for run in filled])
-        bearings = self._bearings(filled, starts, work)
+        bearings = self._bearings(filled, starts)
         outcomes = aligned((1, WIDTH), np.float64)
         march = lanes_march if runs[0].ground.ndim == 1 else plane_lanes_march
         system = self._once([self._system(run) for run in filled])
@@ -441,30 +446,23 @@ class Lockstep:
         constants, temperatures, leads, begun, components = start_arguments(run.prepared, run.lines)
         if any(state is not None for state in begun):
             return start_states(constants, temperatures, leads, begun, components)
-        return start_again(self.bearings, self.virgin, constants, temperatures, leads)
+        return start_again(self.bearings, constants, temperatures, leads)
 
     def _shaking(self, runs: Sequence[Run]) -> types.Shaking:
         refill(self.ground, [run.ground for run in runs])
         self.ambient[:] = [run.ambient for run in runs]
         return types.Shaking(self.ground, self.dt, self.ambient, self.keep)
 
-    def _bearings(self, runs: Sequence[Run], starts: Sequence[Any], work: Any) -> Any:
+    def _bearings(self, runs: Sequence[Run], starts: Sequence[Any]) -> Any:
         """Return the bearings of some runs as one, with their states at the start."""
         kinds = []
         for k, kind in enumerate(self.bearings):
             line = int(kind.lines[0])
             constants = self._once([run.lines[line].constants for run in runs], with_shared_cells)
-            starts_of_kind = [start[k] for start in starts]
-            durations, scratch, elastic, hysteretic = work[k]
-            if k == len(self.states):
-                joined = side_by_side(starts_of_kind)
-                trials = twin(joined)
-                split_bearings = split(scratch, elastic, hysteretic, joined, trials)
-                self.states.append((joined, trials, split_bearings))
-            states, trials, bearings = self.states[k]
-            refill(states, starts_of_kind)
-            restore(trials, states)
-            kinds.append(Kind(constants, kind.lines, durations, states, bearings))
+            states, durations = self.states[k], self.lanes[0][k][0]
+            refill(states, [start[k] for start in starts])
+            restore(self.trials[k], states)
+            kinds.append(Kind(constants, kind.lines, durations, states, self.split[k]))
         return tuple(kinds)
 
     def _system(self, run: Run) -> types.System:

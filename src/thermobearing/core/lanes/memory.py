@@ -127,11 +127,11 @@ def refill(joined: Any, parts: Sequence[Any]) -> None:
         for column, runs in zip(joined, zip(*parts, strict=True), strict=True):
             refill(column, runs)
     elif joined.size:
-        spread(parts, _lanes_of(joined, parts[0]))
+        spread(parts, _lane_view(joined, parts[0]))
 
 
-def _lanes_of(joined: Any, like: Any) -> Any:
-    """Return the floats of lanes with the numbers of a record along an axis of their own."""
+def _lane_view(joined: Any, like: Any) -> Any:
+    """Return a view of the floats of lanes, with the numbers of a record along a separate axis."""
     shape = (*like.shape, *_row_shape(like.dtype), WIDTH)
     return joined.reshape(-1).view(np.float64).reshape(shape)
 
@@ -189,7 +189,7 @@ def each_lane(joined: Any, like: T) -> list[T]:
     if not template.size:
         return [like] * WIDTH
     # A copy in any case: the next runs in lockstep are written into the same lanes.
-    lane_first = np.array(np.moveaxis(_lanes_of(joined, template), -1, 0), order="C")
+    lane_first = np.array(np.moveaxis(_lane_view(joined, template), -1, 0), order="C")
     separate: Any = lane_first.reshape(-1).view(template.dtype).reshape(WIDTH, *template.shape)
     return list(separate)
 
