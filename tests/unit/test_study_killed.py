@@ -190,12 +190,21 @@ def test_processes_that_always_die_are_reported(
     assert study_status(tmp_path / "out").done == 0
 
 
+@pytest.mark.parametrize(
+    "errors",
+    [
+        [OSError(errno.EBADF, "Bad file descriptor"), OSError("handle is closed")],
+        [EOFError("unexpected EOF")],  # of the server that starts processes, which has ended
+    ],
+)
 def test_a_pool_that_breaks_while_it_starts_a_process_is_replaced(
-    tmp_path: Path, small_files: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+    errors: list[Exception],
+    tmp_path: Path,
+    small_files: dict[str, bytes],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # The pipes of the new process may be closed already by the thread that ends the pool.
-    submit = ProcessPoolExecutor.submit
-    errors = [OSError(errno.EBADF, "Bad file descriptor"), OSError("handle is closed")]
+    submit, errors = ProcessPoolExecutor.submit, list(errors)
 
     def submit_late(pool: ProcessPoolExecutor, *arguments: Any) -> Any:
         if errors:

@@ -118,7 +118,7 @@ def _submit(pool: ProcessPoolExecutor, call: Callable[[S, T], R], item: T) -> Fu
     """
     try:
         return pool.submit(_call_with_shared, call, item)
-    except OSError as error:
+    except (OSError, EOFError) as error:
         raise BrokenProcessPool(str(error)) from error
 
 
