@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.documented_numbers import documented_rows
 from tests.quick import quick_cases
 from tests.skip_reasons import OTHER
 
@@ -108,6 +109,18 @@ def test_unexpected_skips_fail(suite: Path, expected: list[str], amiss: str) -> 
     done = ended(suite, 0, expected)
     assert done.returncode == 1, done.stdout
     assert f"not as in expected_skips.txt: ['{amiss}']" in done.stdout
+
+
+@pytest.mark.parametrize(("ci", "status"), [("true", 1), ("", 0)])
+def test_numbers_that_are_not_those_of_the_docs(suite: Path, ci: str, status: int) -> None:
+    """They are always reported; in CI they fail the run, since it has the versions of the docs."""
+    documented = documented_rows()[0]["what"]
+    (suite / "test_stale.py").write_text(
+        f"def test_stale(measured):\n    measured({documented!r}, 'another number', 'no limit')\n"
+    )
+    process = ended(suite, 0, FOUND, CI=ci)
+    assert process.returncode == status, process.stdout
+    assert f"{documented}: the docs say " in process.stdout
 
 
 @pytest.mark.parametrize("workers", quick_cases([0, 2], 0))
