@@ -146,7 +146,10 @@ def pytest_terminal_summary(terminalreporter: "pytest.TerminalReporter") -> None
         if unexpected:
             terminalreporter.write_line(f"not as in {EXPECTED.name}: {sorted(unexpected)}")
             _fail(terminalreporter)
-    if continuous_integration or stale:  # with other versions of the libraries no failure
+    # Of some cases of a test the largest number may be smaller than in the docs; elsewhere than in
+    # CI, with other versions of the libraries, another number is no failure.
+    options = terminalreporter.config.option
+    if continuous_integration or (stale and not options.markexpr and not options.keyword):
         terminalreporter.section("numbers in the docs")
         for line in stale or [f"{len(rows)} measured, as in the docs"]:
             terminalreporter.write_line(line)

@@ -227,7 +227,7 @@ def test_figures_of_another_method_replace_no_others(
 ) -> None:
     folders = []
     study = ask(made_up(), capacity=1.0)
-    monkeypatch.setattr("thermobearing.studies.result.study_result", lambda *_: study)
+    monkeypatch.setattr("thermobearing.studies.result.study_result", lambda *_, **__: study)
 
     def note_folder(self: Any, folder: Path, **options: Any) -> list[Path]:
         folders.append(folder.relative_to(tmp_path).as_posix())

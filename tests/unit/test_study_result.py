@@ -650,6 +650,23 @@ def test_worst_and_repeat_by_the_command(directory: Path, tmp_path: Path) -> Non
     assert "no run 8" in said
 
 
+def test_figures_read_the_columns_that_they_need(directory: Path) -> None:
+    demand = "bearing_strain_max"
+    save_question(directory, Question(demand=demand, capacity=CAPACITY))
+    whole, read = study_result(directory), study_result(directory, demands=[demand])
+    assert {"id", "bearing_heat_kN_mm"} <= set(whole.table) - set(read.table)
+    assert demand in read.table
+    assert read.outcome == whole.outcome
+    assert [str(warning) for warning in read.warnings] == [str(text) for text in whole.warnings]
+    tables, expected = read.tables(), whole.tables()
+    assert list(tables) == list(expected)
+    for name, table in tables.items():
+        assert (table.rows, table.note) == (expected[name].rows, expected[name].note)
+    assert list(read.plot.draw_all()) == list(whole.plot.draw_all())
+    # With a name that does not exist, an error names similar ones among all columns.
+    assert list(study_result(directory, demands=["bearing_heat"]).table) == list(whole.table)
+
+
 def test_a_study_without_a_run_has_no_result(directory: Path) -> None:
     for file in (directory / "shards").glob("*.parquet"):
         file.unlink()

@@ -218,7 +218,8 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     from thermobearing.studies.result import study_result
 
     saved = load_question(directory)
-    result = study_result(directory, saved)
+    demands = filter(None, [saved.demand, options.get("demand")])
+    result = study_result(directory, saved, demands=list(demands))
     question = change_question(saved, options, default_demand=result.demand_name)
     result.question = question
     folder = directory / FIGURES

@@ -688,12 +688,13 @@ class StudyResult(Result):
         write_csv(folder / TABLE, self.table.astype(dict.fromkeys(names, object)))
 
 
-def study_result(directory: str | Path, question: Question | None = None) -> StudyResult:
-    """Return the result of a study, also of an incomplete one, with its own question by default."""
+def study_result(
+    directory: str | Path, question: Question | None = None, *, demands: Sequence[str] | None = None
+) -> StudyResult:
+    """Return the result of a study, also of an incomplete one, with its own question by default.
+
+    With `demands` the table has the columns that statistics of these need (`Store.checked_table`).
+    """
     store = Store(Path(directory))
-    table = store.table(shards=store.checked_shards())
-    if len(table) == 0:
-        raise InputError("no run is complete yet", str(directory))
-    ordered = table.sort_values("run", kind="stable").reset_index(drop=True)
-    question = question or load_question(store.directory)
-    return StudyResult(ordered, store.study(), store.manifest, directory, question)
+    question, table = question or load_question(store.directory), store.checked_table(demands)
+    return StudyResult(table, store.study(), store.manifest, directory, question)

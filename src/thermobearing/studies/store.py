@@ -57,6 +57,7 @@ from thermobearing.studies.definition.designs import NAMED_FACTORS, Plan
 from thermobearing.studies.definition.motions import MOTIONS_FILE, matched_motions_bytes
 from thermobearing.studies.definition.record import Study
 from thermobearing.studies.run.shard import RESULT_COLUMNS, KeptHistory, ShardResult
+from thermobearing.studies.statistics.demand import STATISTICS
 
 EXTRA = 'needs pyarrow: pip install "thermobearing[study]"'
 UNIT, MEANING, NOTES = b"unit", b"meaning", b"thermobearing"
@@ -123,7 +124,9 @@ def _read_parquet(paths: Sequence[Path], columns: Sequence[str] | None = None) -
     without_metadata = [table.replace_schema_metadata(None) for table in tables]
     # Shards of an earlier version may lack a column.
     joined = arrow.concat_tables(without_metadata, promote_options="default")
-    return pd.DataFrame(joined.to_pandas())
+    del tables, without_metadata
+    # Of millions of runs a second copy takes a gigabyte: each column is freed when it is converted.
+    return pd.DataFrame(joined.to_pandas(split_blocks=True, self_destruct=True))
 
 
 def _read_labels(path: Path) -> dict[str, tuple[str, str]]:
@@ -365,8 +368,10 @@ class Store:
 
     def _is_done(self, shard: int) -> bool:
         """Return whether the file of a shard exists, is undamaged, and belongs to this study."""
-        sealed = int(self.manifest["format"]) > 1
-        notes_and_rows = _read_notes(self._file(shard), sealed=sealed)
+        path, sealed = self._file(shard), int(self.manifest["format"]) > 1
+        if not path.exists():  # opening it would look for similar names, for each of thousands
+            return False
+        notes_and_rows = _read_notes(path, sealed=sealed)
         return notes_and_rows == (self._notes(shard), self.count([shard]))
 
     def done(self) -> list[int]:
@@ -398,6 +403,28 @@ class Store:
             empty = empty.assign(**{name: [] for name in RESULT_COLUMNS})
             return empty if columns is None else empty[list(columns)]
         return _read_parquet(files, columns)
+
+    def checked_table(self, demands: Sequence[str] | None = None) -> "pd.DataFrame":
+        """Return all completed runs by their numbers.
+
+        With `demands` the columns are those that their statistics need, since all columns of a
+        million runs are a gigabyte. If one of the demands does not exist, all columns are read, so
+        that an error can name similar ones.
+        """
+        shards = self.checked_shards()
+        if not shards:
+            raise InputError("no run is complete yet", str(self.directory))
+        columns = None
+        if demands is not None:
+            existing = _read_labels(self._file(shards[0]))
+            if all(name in existing for name in demands):
+                factors = [name for name in _read_labels(self.directory / PLAN) if name != "id"]
+                needed = dict.fromkeys([*factors, *STATISTICS, *demands])
+                columns = [name for name in needed if name in existing]
+        table = self.table(columns, shards)
+        if table["run"].is_monotonic_increasing:
+            return table
+        return table.sort_values("run", kind="stable").reset_index(drop=True)
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

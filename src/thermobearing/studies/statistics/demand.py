@@ -42,7 +42,7 @@ from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import NO_RANGE_STATED, TESTED, Ends
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.run.shard import BAD_INPUT, BEYOND_TESTED, BROKEN
+from thermobearing.studies.run.shard import BAD_INPUT, BEYOND_TESTED, BROKEN, LIMITS_PASSED
 
 SAMPLES = 500  # of a bootstrap, by default
 LEVEL = 0.95  # confidence of bands, by default
@@ -75,14 +75,14 @@ class Draw:
 
     @classmethod
     def of_labels(
-        cls, labels: Sequence[Any] | None, runs: int, samples: int = SAMPLES, seed: int = 0
+        cls, labels: "pd.Series | None", runs: int, samples: int = SAMPLES, seed: int = 0
     ) -> "Draw":
         """Group runs by their labels; without labels, or with one label, each run is a group."""
         if samples < 1 or seed < 0:
             raise InputError(f"samples = {samples} and seed = {seed}: at least 1 and 0")
         codes = np.arange(runs)
         if labels is not None:
-            codes = np.asarray(pd.factorize(np.asarray(labels, dtype=object))[0], dtype=np.int64)
+            codes = levels(labels)[0]
         if labels is None or codes.max(initial=0) == 0:
             # With one group a bootstrap would draw the same sample each time, and its band would
             # have no width.
@@ -296,7 +296,7 @@ def counted(
     # Infinite exceeds any capacity, so that quantiles and counts need no case for collapse.
     demands = np.where(completed | computed, values, np.inf)[kept]
     return Counted(
-        table=table[kept],
+        table=table if kept.all() else table[kept],
         demand=demands,
         left_out=int((~kept).sum()),
         collapsed=int(np.isinf(demands).sum()),
@@ -352,18 +352,44 @@ def _refuse_missing(values: Floats, completed: NDArray[np.bool_], demand: str) -
         )
 
 
-def column(table: "pd.DataFrame", name: str) -> list[Any]:
-    """Return the values of a column; InputError with the nearest name if there is none."""
+def column(table: "pd.DataFrame", name: str) -> "pd.Series":
+    """Return a column; InputError with the nearest name if there is none."""
     if name not in table:
         raise InputError(f'no column "{name}"{nearest(name, [str(k) for k in table.columns])}')
-    return table[name].tolist()
+    return table[name]
+
+
+def levels(values: "pd.Series") -> tuple[Ints, list[Any]]:
+    """Return the number of the level of each run, and the levels in order of appearance."""
+    codes, different = pd.factorize(values, use_na_sentinel=False)
+    return np.asarray(codes, dtype=np.int64), different.tolist()
+
+
+def combinations(table: "pd.DataFrame", by: Sequence[str]) -> tuple[Ints, list[tuple[Any, ...]]]:
+    """Return the number of the combination of columns of each run, and all in order of appearance.
+
+    Without columns there is one combination, ().
+    """
+    codes = np.zeros(len(table), dtype=np.int64)
+    for name in by:
+        level_codes, different = levels(column(table, name))
+        codes = np.asarray(pd.factorize(codes * len(different) + level_codes)[0], dtype=np.int64)
+    first_runs = np.unique(codes, return_index=True)[1]
+    rows = table[list(by)].iloc[first_runs]
+    return codes, list(zip(*(rows[name].tolist() for name in by), strict=True)) or [()]
+
+
+def members(group: Ints) -> list[Ints]:
+    """Return the places of each group that has any, by the number of the group."""
+    order = np.argsort(group, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(group[order])) + 1) if len(order) else []
 
 
 def _numbers(table: "pd.DataFrame", name: str) -> Floats:
     """Return a column of numbers; InputError if it does not exist or has other values."""
     values = column(table, name)
     try:
-        return np.asarray(values, dtype=float)
+        return values.to_numpy(dtype=float)
     except (TypeError, ValueError):
         raise InputError(f'column "{name}" does not contain numbers') from None
 
@@ -386,8 +412,9 @@ FRACTILES = (0.05, 0.16, 0.5, 0.84, 0.95)
 def equal_classes(values: Floats, count: int) -> Ints:
     """Return the number of the class of each value, of `count` classes of equal size."""
     # By rank, since bounds between values would put equal ones into one class of any size.
-    rank = np.argsort(np.argsort(values, kind="stable"), kind="stable")
-    return np.asarray(rank * count // len(values))
+    rank = np.empty(len(values), dtype=np.int64)
+    rank[np.argsort(values, kind="stable")] = np.arange(len(values))
+    return rank * count // len(values)
 
 
 def in_classes(table: "pd.DataFrame", by: str) -> "tuple[pd.DataFrame, str]":
@@ -423,21 +450,19 @@ def demand_against(
     if len(values) > MOST_LEVELS:
         place = equal_classes(abscissae, TEMPERATURE_CLASSES)
         values = np.bincount(place, abscissae) / np.bincount(place)
-    labels = list(zip(*(column(table, name) for name in by), strict=True)) or [()] * len(table)
     demands = np.full(len(table), np.nan)
     demands[runs.kept] = runs.demand
     if least and failed == COMPUTED and OUTCOME in table:
-        stopped = stopped_runs(table) & np.isfinite(_numbers(table, demand))
-        demands[stopped] = _numbers(table, demand)[stopped]
-    motions = column(table, MOTION) if MOTION in table else None
-    draw = Draw.of_labels(motions, len(table))
-    cells: dict[tuple[Any, ...], list[int]] = {}
-    for run, label in enumerate(labels):
-        cells.setdefault((label, int(place[run])), []).append(run)
+        last_values = _numbers(table, demand)
+        stopped = stopped_runs(table) & np.isfinite(last_values)
+        demands[stopped] = last_values[stopped]
+    draw = Draw.of_labels(column(table, MOTION) if MOTION in table else None, len(table))
+    codes, labels = combinations(table, by)
+    group = codes * len(values) + place
     rows = []
-    order = {label: number for number, label in enumerate(dict.fromkeys(labels))}
-    for label, cell in sorted(cells, key=lambda key: (order[key[0]], key[1])):
-        indices = np.array(cells[label, cell])
+    for indices in members(group):
+        combination, cell = divmod(int(group[indices[0]]), len(values))
+        label = labels[combination]
         inside = indices[~np.isnan(demands[indices])]
         inside = inside[np.argsort(demands[inside], kind="stable")]
         row: dict[str, Any] = {**dict(zip(by, label, strict=True)), across: values[cell]}
@@ -541,6 +566,8 @@ def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None)
 
 # Column with the values of a limit, of which tables tell the side that a run is outside on.
 SIDES = {"strain": STRAIN, "ambient": AMBIENT, "lead_temperature": "lead_max_degC"}
+# Columns that statistics of a demand need besides it and the factors.
+STATISTICS = (OUTCOME, "sentence", LIMITS_PASSED, BEYOND_TESTED, *RANKED, *SIDES.values())
 
 
 def extrapolations(
@@ -558,7 +585,8 @@ def extrapolations(
     """
     warnings = []
     for level in bearings:
-        runs = table[table["bearing"].astype(str) == str(level.name)]
+        columns = [name for name in (BEYOND_TESTED, *SIDES.values()) if name in table]
+        runs = table.loc[(table["bearing"] == str(level.name)).to_numpy(dtype=bool), columns]
         bearing = getattr(level, "bearing", level)
         if not len(runs):
             continue

@@ -21,6 +21,7 @@ the time (total probability): the temperature is independent of the size of an e
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from operator import itemgetter
 from typing import Any, Literal, TypeAlias, TypedDict, Unpack, get_args
 
 import numpy as np
@@ -55,6 +56,7 @@ from thermobearing.studies.statistics.demand import (
     column,
     counted,
     describe_failures,
+    levels,
     percentiles,
     positive,
 )
@@ -520,13 +522,13 @@ def fragility_curves(
 ) -> dict[Any, Fragility]:
     """Return a curve for each value of a column; the bootstrap draws the same motions for all."""
     draw, settings = _resample(table, options)
-    labels = np.asarray(column(table, by), dtype=object)
-    values = list(dict.fromkeys(labels.tolist()))
+    codes, values = levels(column(table, by))
+    numbered = list(enumerate(values))
     if all(isinstance(value, int | float) for value in values):
-        values.sort()
+        numbered.sort(key=itemgetter(1))
     curves = {}
-    for value in values:
-        selected = np.array([label == value for label in labels])
+    for number, value in numbered:
+        selected = codes == number
         name = f"{value:g}" if isinstance(value, float) else str(value)
         try:
             curves[value] = _fragility(
@@ -541,7 +543,7 @@ def _resample(table: "pd.DataFrame", settings: Options) -> tuple[Draw, dict[str,
     """Return the bootstrap of options, and the other options."""
     options = {**DEFAULTS, **settings}
     groups = options.pop("groups")
-    labels = table[groups].tolist() if groups is not None and groups in table else None
+    labels = table[groups] if groups is not None and groups in table else None
     draw = Draw.of_labels(labels, len(table), options.pop("samples"), options.pop("seed"))
     return draw, options
 

@@ -21,8 +21,9 @@ from thermobearing.studies.statistics.demand import (
     MOTION,
     Counted,
     Failed,
-    column,
+    combinations,
     counted,
+    members,
     positive,
     quantile,
 )
@@ -137,13 +138,10 @@ def ida_curves(
 
 def curves_of(runs: Counted, values: Floats, demand: str, intensity: str, by: Sequence[str]) -> Ida:
     """Return the curves of the runs that count, at their intensities."""
-    labels = list(zip(*(column(runs.table, name) for name in by), strict=True))
-    places: dict[tuple[Any, ...], list[int]] = {}
-    for place, label in enumerate(labels):
-        places.setdefault(label, []).append(place)
+    codes, labels = combinations(runs.table, by)
     curves = []
-    for label, indices in places.items():
-        order = np.array(indices)[np.argsort(values[indices], kind="stable")]
+    for label, indices in zip(labels, members(codes), strict=True):
+        order = indices[np.argsort(values[indices], kind="stable")]
         x, y = values[order], runs.demand[order]
         if (np.diff(x) == 0.0).any():
             repeated = x[:-1][np.diff(x) == 0.0][0]
@@ -152,7 +150,7 @@ def curves_of(runs: Counted, values: Floats, demand: str, intensity: str, by: Se
                 f"two runs of {description} have {intensity} = {repeated:g}: add the column in "
                 'which they differ to "by"'
             )
-        curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), indices[0]))
+        curves.append(IdaCurve(label, np.append(0.0, x), np.append(0.0, y), int(indices[0])))
     if all(len(curve.intensity) == 2 for curve in curves):
         # Stripes count runs at each level; the regression of a cloud needs none.
         repeated = np.unique(values, return_counts=True)[1] >= LEAST_AT_LEVEL

@@ -34,6 +34,7 @@ from thermobearing.studies.statistics.demand import (
     computed_demand,
     equal_classes,
     in_classes,
+    levels,
     percentiles,
 )
 
@@ -137,17 +138,17 @@ def variance_shares(
     """
     demands = computed_demand(table, demand)
     finite = np.isfinite(demands)
-    used, left_out, values = table[finite], int((~finite).sum()), demands[finite]
+    left_out, values = int((~finite).sum()), demands[finite]
     values = values - values.mean() if len(values) else values
     if len(values) < LEAST_ROWS or np.ptp(values) == 0.0:
         raise InputError(
             f'"{demand}" has {len(values)} values: at least {LEAST_ROWS} that differ are needed'
         )
     separate_factors = [factor for factor in factors if len(together) < 2 or factor not in together]
-    codes = [_codes(column(used, factor)) for factor in separate_factors]
+    codes = [_codes(column(table, factor)[finite]) for factor in separate_factors]
     if len(separate_factors) < len(factors):
         separate_factors.append(", ".join(together))
-        codes.append(np.asarray(pd.factorize(used[SAMPLE])[0], dtype=np.int64))
+        codes.append(levels(table[SAMPLE][finite])[0])
     lot = np.arange(len(values))
     if len(values) > MOST_LOTS:
         lot = np.random.default_rng(seed).permutation(len(values)) % MOST_LOTS
@@ -218,13 +219,15 @@ def _concentration(
     """Return the levels of factors that have far more of the lost runs than of all runs."""
     total, texts = int(lost.sum()), []
     for factor, (words, unit) in factors.items() if total >= LEAST_ROWS else ():
-        runs, name = in_classes(table, factor)
-        counts = runs[name].astype(object).value_counts()
-        if len(counts) > MOST_LEVELS or len(counts) < 2:
+        runs, name = in_classes(table[[factor]], factor)
+        codes, different = levels(runs[name])
+        if not 2 <= len(different) <= MOST_LEVELS:
             continue
-        of_lost = runs[name].astype(object)[lost[runs.index]].value_counts()
-        level, most = of_lost.index[0], int(of_lost.iloc[0])
-        if most * len(table) > SELECTIVE * total * int(counts[level]):
+        counts = np.bincount(codes)
+        of_lost = np.bincount(codes[lost[runs.index]], minlength=len(different))
+        highest = int(of_lost.argmax())
+        level, most = different[highest], int(of_lost[highest])
+        if most * len(table) > SELECTIVE * total * int(counts[highest]):
             stated = f"{level:.4g} {unit}".rstrip() if isinstance(level, float) else str(level)
             texts.append(f"{most} have {words} {stated}")
     return f"Of {total} failed runs {joined(texts)}" if texts else ""
@@ -264,12 +267,13 @@ def sampling_note(contributions: "pd.DataFrame") -> str:
     return ""
 
 
-def _codes(values: list[Any]) -> Ints:
+def _codes(values: "pd.Series") -> Ints:
     """Return the class of each run: its level, or one of several classes of numbers."""
-    codes, different = pd.factorize(np.asarray(values, dtype=object), use_na_sentinel=False)
-    if len(different) <= MOST_LEVELS or not all(isinstance(v, int | float) for v in different):
-        return np.asarray(codes, dtype=np.int64)
-    numbers = np.asarray(values, dtype=float)
+    codes, different = levels(values)
+    is_of_numbers = values.dtype.kind in "iuf" or all(isinstance(v, int | float) for v in different)
+    if len(different) <= MOST_LEVELS or not is_of_numbers:
+        return codes
+    numbers = values.to_numpy(dtype=float)
     finite = ~np.isnan(numbers)
     codes = np.zeros(len(numbers), dtype=np.int64)
     classes = min(int(np.sqrt(finite.sum())), MOST_CLASSES)
