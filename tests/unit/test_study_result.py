@@ -656,7 +656,6 @@ def test_figures_read_the_columns_that_they_need(directory: Path) -> None:
     whole, read = study_result(directory), study_result(directory, demands=[demand])
     assert {"id", "bearing_heat_kN_mm"} <= set(whole.table) - set(read.table)
     assert demand in read.table
-    assert read.outcome == whole.outcome
     assert [str(warning) for warning in read.warnings] == [str(text) for text in whole.warnings]
     tables, expected = read.tables(), whole.tables()
     assert list(tables) == list(expected)
