@@ -51,13 +51,13 @@ def measured(item: str, **options: int) -> list[Row]:
     return rows
 
 
-def table(found: dict[str, list[Row]], about: dict[str, str]) -> Table:
+def table(result: dict[str, list[Row]], about: dict[str, str]) -> Table:
     """Return a table with one section for each benchmark."""
     caption = ", ".join(f"{key} {value}" for key, value in about.items())
     out = Table(title="thermobearing: measured values and targets", caption=caption)
     for head in ("", "what", "measured", "target", "met", "note"):
         out.add_column(head, justify="right" if head in ("measured", "target") else "left")
-    for item, rows in found.items():
+    for item, rows in result.items():
         for row in rows:
             out.add_row(ITEMS[item], row.what, row.measured, row.target, MARKS[row.met], row.note)
         out.add_section()

@@ -178,10 +178,10 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         Path(target).write_text(json.dumps(rows, indent=1, ensure_ascii=False) + "\n")
 
 
-def measured_rows(found: list[dict[str, Any]]) -> list[dict[str, str]]:
+def measured_rows(result: list[dict[str, Any]]) -> list[dict[str, str]]:
     """One row for each name in the order of the tests; of several numbers the largest."""
     rows: dict[str, dict[str, Any]] = {}
-    for row in sorted(found, key=lambda row: row["place"]):  # in whichever order they ended
+    for row in sorted(result, key=lambda row: row["place"]):  # in whichever order they ended
         before = rows.get(row["what"], row)
         if not isinstance(row["value"], str) and not isinstance(before["value"], str):
             row = row | {"value": max(row["value"], before["value"])}

@@ -13,8 +13,8 @@ OF_THEIR_TIME = ["click<8.3", "pyparsing<3.3"]
 def lowest_versions() -> list[str]:
     """Such as "numpy==2.0.*", of every dependency of the program and of the tests."""
     project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
-    found = [LOWEST.match(text) for text in _declared(project)]
-    return [f"{match[1]}=={match[2]}.*" for match in found if match] + OF_THEIR_TIME
+    result = [LOWEST.match(text) for text in _declared(project)]
+    return [f"{match[1]}=={match[2]}.*" for match in result if match] + OF_THEIR_TIME
 
 
 def _declared(project: dict[str, dict[str, list[str]]]) -> list[str]:

@@ -75,7 +75,7 @@ def processor_features() -> set[str]:
 
 def built_levels() -> list[str]:
     """Return the levels of x86-64 whose kernels are built and run here."""
-    features, found = processor_features(), []
+    features, result = processor_features(), []
     for level in ("v1", "v3", "v4"):
         needed = LEVELS["v3"] | LEVELS["v4"] if level == "v4" else LEVELS[level]
         try:
@@ -83,8 +83,8 @@ def built_levels() -> list[str]:
         except (OSError, ValueError, KeyError):
             continue
         if needed <= features:
-            found.append(level)
-    return found
+            result.append(level)
+    return result
 
 
 def list_targets(*, numba: bool) -> list[Target]:

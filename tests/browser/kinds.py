@@ -47,13 +47,13 @@ def cyclic(folder: Path) -> Path:
 def bridge(folder: Path) -> Path:
     """Two temperatures, into the strong part; those through the height are kept."""
     air, keep = [23.0, -20.0], ["rubber", "cells"]
-    found = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", air, duration=9.0, keep=keep)
-    return found.save(folder, figures=False)
+    result = tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", air, duration=9.0, keep=keep)
+    return result.save(folder, figures=False)
 
 
 def hybrid(folder: Path) -> Path:
-    found = tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=2.0)
-    return found.save(folder, figures=False)
+    result = tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=2.0)
+    return result.save(folder, figures=False)
 
 
 def sequence(folder: Path) -> Path:
@@ -63,9 +63,9 @@ def sequence(folder: Path) -> Path:
 
 
 def identify(folder: Path) -> Path:
-    found = tb.identify_bearing(record(), SPECIMEN, free=["K_r", "d_y"], starts=1)
-    saved = found.save(folder, figures=False)
-    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    result = tb.identify_bearing(record(), SPECIMEN, free=["K_r", "d_y"], starts=1)
+    saved = result.save(folder, figures=False)
+    save_figures({"loops": result.plot.loops}, saved / "figures", vector=True)
     return saved
 
 
@@ -78,9 +78,9 @@ def validate(folder: Path) -> Path:
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
     tested = Validity(ambient=[0.0, 30.0])
     changed = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
-    found = tb.validate_bearing(changed, record())
-    saved = found.save(folder, figures=False)
-    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    result = tb.validate_bearing(changed, record())
+    saved = result.save(folder, figures=False)
+    save_figures({"loops": result.plot.loops}, saved / "figures", vector=True)
     return saved
 
 
@@ -90,13 +90,13 @@ def design(folder: Path) -> Path:
 
 
 def factors(folder: Path) -> Path:
-    found = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
-    return found.save(folder, figures=False)
+    result = run_factors(["shen-hdr-bridge"], temperatures=[-20.0, 40.0], strains=[1.0])
+    return result.save(folder, figures=False)
 
 
 def bounds(folder: Path) -> Path:
-    found = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
-    return found.save(folder, figures=False)
+    result = run_bounds(["shen-hdr-bridge"], ["jra-ii-i-1"], [23.0, -20.0], duration=8)
+    return result.save(folder, figures=False)
 
 
 def motion(folder: Path) -> Path:

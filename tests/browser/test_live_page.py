@@ -121,9 +121,9 @@ def test_the_table_has_the_numbers_of_python(opened: Any) -> None:
 
 def test_exported_histories_and_case_are_those_of_python(opened: Any, tmp_path: Path) -> None:
     opened.locator("#tab-export").click()
-    with opened.expect_download() as found:
+    with opened.expect_download() as actual:
         opened.locator("#save-csv").click()
-    table = pd.read_csv(found.value.path())
+    table = pd.read_csv(actual.value.path())
     with opened.expect_download() as case:
         opened.locator("#save-toml").click()
     file = tmp_path / "case.toml"
@@ -210,9 +210,9 @@ def test_the_bridge_has_the_numbers_of_python(opened: Any) -> None:
     more = 100 * (moments.iloc[0] / moments.iloc[1] - 1)
     assert f"{more:.0f}\u00a0%" in opened.locator("#bridge-answer p").inner_text()
     opened.locator("#tab-export").click()
-    with opened.expect_download() as found:
+    with opened.expect_download() as actual:
         opened.locator("#save-bridge").click()
-    shown = pd.read_csv(found.value.path())
+    shown = pd.read_csv(actual.value.path())
     for run, ambient in enumerate((-20.0, 23.0)):
         here = shown[shown.ambient_degC == ambient].bearing_force_kN.to_numpy()
         there = result.dataset["bearing_force"].isel(run=run).to_numpy()  # every second step
@@ -239,8 +239,8 @@ def test_warnings_are_those_of_python(
     result = tb.run(base, tb.cyclic_test(**test, closing_strain=None), [-20, 23])
     rows = result.tested_range
     assert set(rows[rows.outside].limit) == limits
-    said = {name for name, words in RANGES.items() if re.search(f": {words} [−\\d]", shown)}
-    assert said == limits
+    output = {name for name, words in RANGES.items() if re.search(f": {words} [−\\d]", shown)}
+    assert output == limits
 
 
 def test_a_bearing_that_is_too_small_for_the_bridge_hides_it(opened: Any) -> None:

@@ -86,21 +86,21 @@ def run_test(name: str, ambient: Any) -> Any:
 def shown(page: Any) -> dict[str, Any]:
     """What the section shows, after the frames in which it draws what was asked."""
     page.evaluate("new Promise((end) => requestAnimationFrame(() => requestAnimationFrame(end)))")
-    found: dict[str, Any] = page.evaluate(
+    result: dict[str, Any] = page.evaluate(
         "(({ live, same, moved }) => ({ same, moved, numbers: live.numbers, outcome: live.outcome, "
         "force: Array.from(live.y) }))(document.getElementById('live').shown)"
     )
-    return found
+    return result
 
 
-def assert_test(found: dict[str, Any], result: Any) -> None:
+def assert_test(actual: dict[str, Any], result: Any) -> None:
     """The live numbers and forces are those of a result with one run."""
     force = result["force"].values[0]
-    assert found["outcome"] == str(result["outcome"].values[0])
-    assert np.abs(np.array(found["force"]) - force).max() <= SAME * np.abs(force).max()
+    assert actual["outcome"] == str(result["outcome"].values[0])
+    assert np.abs(np.array(actual["force"]) - force).max() <= SAME * np.abs(force).max()
     cycles = result.cycles
     row = cycles[cycles["amplitude_strain"] >= 0.999 * cycles["amplitude_strain"].max()].iloc[-1]
-    live = {key.removeprefix("last."): value for key, value in found["numbers"].items()}
+    live = {key.removeprefix("last."): value for key, value in actual["numbers"].items()}
     expected = [row["G_eq_MPa"], row["K_eq_kN_mm"], row["h_eq"], row["energy_kN_mm"]]
     keys = ("G_eq_MPa", "stiffness_kN_mm", "h_eq", "energy_kN_mm")
     assert [live[key] for key in keys] == pytest.approx(expected, rel=1e-8)
@@ -110,14 +110,14 @@ def assert_test(found: dict[str, Any], result: Any) -> None:
 def test_a_test_has_the_numbers_of_the_report_and_of_python(report: Open, name: str) -> None:
     result = run_test(name, [5.0, -20.0])
     page = report(result)
-    found = shown(page)
-    assert found["same"]
-    assert not found["moved"]
-    assert_test(found, run_test(name, 5.0))
+    actual = shown(page)
+    assert actual["same"]
+    assert not actual["moved"]
+    assert_test(actual, run_test(name, 5.0))
     page.locator("#live-run").select_option("−20 °C")
-    found = shown(page)
-    assert found["same"]
-    assert_test(found, run_test(name, -20.0))
+    actual = shown(page)
+    assert actual["same"]
+    assert_test(actual, run_test(name, -20.0))
 
 
 def test_the_conditions_move_and_return(report: Open) -> None:
@@ -125,13 +125,13 @@ def test_the_conditions_move_and_return(report: Open) -> None:
     before = shown(page)["numbers"]
     page.locator("#live-ambient").fill("-25")
     page.locator("#live-strain").fill("60")
-    found = shown(page)
+    result = shown(page)
     options = TESTS["half-space"][2]
     test = tb.cyclic_test(strain=[0.6], cycles=2, rest=None, dt=0.02)
-    assert_test(found, tb.run(LHDR, test, ambient=-25.0, **options))
+    assert_test(result, tb.run(LHDR, test, ambient=-25.0, **options))
     cells = page.locator("#live-table tbody tr").first.locator("th, td").all_inner_texts()
     assert float(cells[1]) == pytest.approx(before["force"], abs=0.5)
-    assert float(cells[2]) == pytest.approx(found["numbers"]["force"], abs=0.5)
+    assert float(cells[2]) == pytest.approx(result["numbers"]["force"], abs=0.5)
     assert "outside the calibration range" in page.locator("#live-words").inner_text()
     page.locator("#live-back").click()
     assert shown(page)["numbers"] == before
@@ -145,9 +145,9 @@ def test_the_section_is_small(tmp_path: Path) -> None:
     assert 0 < sizes[0] - sizes[1] < COST
 
 
-def assert_bridge(found: dict[str, Any], result: Any) -> None:
+def assert_bridge(actual: dict[str, Any], result: Any) -> None:
     row = result.table.iloc[0]
-    live = found["numbers"]
+    live = actual["numbers"]
     keys = {
         "bearing_strain": "bearing_strain_max",
         "bearing_force_kN": "bearing_force_max_kN",
@@ -155,7 +155,7 @@ def assert_bridge(found: dict[str, Any], result: Any) -> None:
         "deck_mm": "deck_displacement_max_mm",
         "pier_ductility": "pier_ductility",
     }
-    assert found["outcome"] == row["outcome"]
+    assert actual["outcome"] == row["outcome"]
     for key, name in keys.items():
         assert live[key] == pytest.approx(row[name], rel=1e-6)
     hottest = result.hottest(0)
@@ -176,9 +176,9 @@ def test_a_bridge_has_the_numbers_of_the_report_and_of_python(report: Open, name
     assert_bridge(shown(page), tb.bridge(bearings[1], motions[1], 23.0, **BRIDGES[name]))
     page.locator("#live-run").select_option(runs[1])
     page.locator("#live-ambient").fill("-7.5")
-    found = shown(page)
-    assert found["moved"]
-    assert_bridge(found, tb.bridge(bearings[1], motions[0], -7.5, **BRIDGES[name]))
+    result = shown(page)
+    assert result["moved"]
+    assert_bridge(result, tb.bridge(bearings[1], motions[0], -7.5, **BRIDGES[name]))
 
 
 LOOKS: list[Any] = [{"viewport": {"width": 400, "height": 800}, "color_scheme": "dark"}]
@@ -192,8 +192,8 @@ def test_the_section_is_usable(report: Open, look: dict[str, Any]) -> None:
     page.locator("#live-ambient").focus()
     for _ in range(3):
         page.keyboard.press("ArrowLeft")
-    found = shown(page)["numbers"]
-    assert found["last.stiffness_kN_mm"] > before["last.stiffness_kN_mm"]
+    result = shown(page)["numbers"]
+    assert result["last.stiffness_kN_mm"] > before["last.stiffness_kN_mm"]
     assert page.locator("#live-ambient").get_attribute("aria-valuetext").startswith("−21.5")
     assert grave_faults(page) == []
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")

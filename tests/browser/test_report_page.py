@@ -57,10 +57,10 @@ def until(holds: Callable[[], bool]) -> None:
 def line(page: Any, figure: int, axis: str = "y", trace: int = 0) -> list[float]:
     page.locator(f"#plot-{figure}").scroll_into_view_if_needed()
     page.locator(f"#plot-{figure} .drawing").wait_for()
-    found = page.evaluate(
+    result = page.evaluate(
         f"Array.from(document.getElementById('plot-{figure}').data[{trace}].{axis})"
     )
-    return [float(value) for value in found]
+    return [float(value) for value in result]
 
 
 def path(page: Any, figure: int) -> str:

@@ -71,8 +71,10 @@ def test_rotated_responses_are_those_of_eqsig(measured: Recorder) -> None:
     for place, period in enumerate(periods):
 
         def _pseudo(one: Any, period: float = float(period)) -> float:
-            found = eqsig.sdof.pseudo_response_spectra(one.values, one.dt, np.array([period]), 0.05)
-            return float(found[2][0])
+            result = eqsig.sdof.pseudo_response_spectra(
+                one.values, one.dt, np.array([period]), 0.05
+            )
+            return float(result[2][0])
 
         degrees, theirs = eqsig.compute_rotated(*records, func=_pseudo, points=13)
         places = np.round(-degrees).astype(int) % 180

@@ -76,8 +76,8 @@ def test_core_agrees_with_numpy(name: str, measured: Recorder) -> None:
         "cell": np.abs(result["temperature"].values[0, 1:] - cells).max(),
         "last cell": np.abs(result["final_temperature"].values[0] - cells[-1]).max(),
     }
-    found = ", ".join(f"{what} {value:.0e}" for what, value in apart.items())
-    print(f"{name}: {len(force)} steps, layers range over {range_of_layers:.1f} K; {found}")
+    actual = ", ".join(f"{what} {value:.0e}" for what, value in apart.items())
+    print(f"{name}: {len(force)} steps, layers range over {range_of_layers:.1f} K; {actual}")
     assert apart["force"] <= tol.STEPPER_FORCE
     assert apart["displacement"] <= tol.STEPPER_DISPLACEMENT
     assert apart["layer"] <= tol.STEPPER_TEMPERATURE

@@ -57,10 +57,10 @@ def new_model() -> Iterator[Callable[..., Material]]:
         ops.fix(1, 1, 1, 1)
         ops.fix(2, 0, 1, 1)
         ops.mass(2, MASS, 0.0, 0.0)
-        found = add_material(ops, 7, tb.element(bearing, ambient=-20), units="N-m", **options)
+        result = add_material(ops, 7, tb.element(bearing, ambient=-20), units="N-m", **options)
         for k in range(elements):
             ops.element("zeroLength", 1 + k, 1, 2, "-mat", 7, "-dir", 1)
-        return found
+        return result
 
     yield build
     ops.wipe()
@@ -75,11 +75,11 @@ def shake() -> None:
 
 def steps(count: int, dt: float = DT) -> np.ndarray:
     """Displacement [mm] and force of the first bearing [kN] at the end of each step."""
-    found = []
+    result = []
     for _ in range(count):
         assert ops.analyze(1, dt) == 0
-        found.append((1e3 * ops.nodeDisp(2, 1), 1e-3 * ops.basicForce(1)[0]))
-    return np.array(found)
+        result.append((1e3 * ops.nodeDisp(2, 1), 1e-3 * ops.basicForce(1)[0]))
+    return np.array(result)
 
 
 def followed(path: Any, dt: Any = DT, bearing: str = BEARING) -> tuple[np.ndarray, Any]:
@@ -91,44 +91,44 @@ def followed(path: Any, dt: Any = DT, bearing: str = BEARING) -> tuple[np.ndarra
 def test_an_earthquake_gives_the_forces_and_temperatures_of_the_element(
     new_model: Any, bearing: str
 ) -> None:
-    found = new_model(bearing=bearing)
+    result = new_model(bearing=bearing)
     shake()
     x, force = steps(200).T
     expected, twin = followed(x, bearing=bearing)
     assert np.abs(x).max() > 20.0
     assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
-    (state,) = found.states()
+    (state,) = result.states()
     assert_allclose(state.temperature, twin.state.temperature, rtol=0.0, atol=1e-9)
     assert state.temperature.max() > -19.99
     assert state.response["clock"][0] == pytest.approx(200 * DT)
 
 
 def test_elements_have_states_of_their_own(new_model: Any) -> None:
-    found = new_model(elements=3)
+    result = new_model(elements=3)
     ops.remove("ele", 2)
     shake()
     steps(40)
-    one, other = found.states()
+    one, other = result.states()
     assert_allclose(one.temperature, other.temperature, rtol=0.0, atol=0.0)
     one.temperature[:] = 0.0
-    assert found.states()[0].temperature[0] != 0.0
+    assert result.states()[0].temperature[0] != 0.0
     ops.wipe()
-    assert not found.states()
+    assert not result.states()
 
 
 def test_reset_starts_again(new_model: Any) -> None:
-    found = new_model()
+    result = new_model()
     shake()
     first = steps(50)
     ops.reset()
-    (state,) = found.states()
+    (state,) = result.states()
     assert state.temperature == pytest.approx(-20.0)
     assert state.response["clock"][0] == 0.0
     assert_allclose(steps(50), first, rtol=0.0, atol=CLOSE * np.abs(first).max())
 
 
 def test_time_set_back_after_gravity_is_no_step(new_model: Any) -> None:
-    found = new_model()
+    result = new_model()
     ops.timeSeries("Linear", 9)
     ops.pattern("Plain", 9, 9)
     ops.load(2, 0.0, -1.0, 0.0)
@@ -136,11 +136,11 @@ def test_time_set_back_after_gravity_is_no_step(new_model: Any) -> None:
     assert ops.analyze(10) == 0
     ops.loadConst("-time", 0.0)
     ops.wipeAnalysis()
-    assert found.states()[0].response["clock"][0] == pytest.approx(1.0)
+    assert result.states()[0].response["clock"][0] == pytest.approx(1.0)
     shake()
     x, force = steps(50).T
     expected, _ = followed(np.append(np.zeros(10), x), np.repeat([0.1, DT], [10, 50]))
-    assert found.states()[0].response["clock"][0] == pytest.approx(1.0 + 50 * DT)
+    assert result.states()[0].response["clock"][0] == pytest.approx(1.0 + 50 * DT)
     assert_allclose(force, expected[10:], rtol=0.0, atol=CLOSE * np.abs(expected).max())
 
 
@@ -171,12 +171,12 @@ def static(goals: list[tuple[float, float]]) -> np.ndarray:
 
 
 def test_a_static_analysis_has_the_rate_that_is_given(new_model: Any) -> None:
-    found = new_model(rate=2.0, count=3)
+    result = new_model(rate=2.0, count=3)
     x, force = static([(30, 0.001), (-30, -0.001), (0, 0.001)]).T
     assert len(x) == 120
     expected = 3.0 * followed(x, dt=0.5)[0]
     assert_allclose(force, expected, rtol=0.0, atol=CLOSE * np.abs(expected).max())
-    assert found.states()[0].response["clock"][0] == pytest.approx(60.0)
+    assert result.states()[0].response["clock"][0] == pytest.approx(60.0)
 
 
 def test_a_load_factor_that_falls_is_no_time(
@@ -218,13 +218,13 @@ def test_what_cannot_be_added_is_an_error(
 ) -> None:
     new_model()
     bearing = tb.element(BEARING, ambient=-20)
-    with pytest.raises(tb.InputError) as found:
+    with pytest.raises(tb.InputError) as result:
         add_material(ops, 7, bearing)
-    assert "7" in str(found.value)
+    assert "7" in str(result.value)
     for options in ({"count": 0}, {"rate": -1.0}, {"units": "N-stone"}):
-        with pytest.raises(tb.InputError) as found:
+        with pytest.raises(tb.InputError) as result:
             write_material(tmp_path / "file", bearing, **options)
-        assert next(iter(options)) in str(found.value)
+        assert next(iter(options)) in str(result.value)
     assert not (tmp_path / "file").exists()
     whole = material._pack
     for cut, word in (
@@ -234,9 +234,9 @@ def test_what_cannot_be_added_is_an_error(
         monkeypatch.setattr(
             material, "_pack", lambda *a, cut=cut: (cut(whole(*a)[0]), whole(*a)[1])
         )
-        with pytest.raises(tb.InputError) as found:
+        with pytest.raises(tb.InputError) as result:
             add_material(ops, 8, bearing)
-        assert word in str(found.value)
+        assert word in str(result.value)
 
 
 @pytest.mark.parametrize("wrong", [False, True])

@@ -78,13 +78,13 @@ def shake(ground: Floats, pairs: Pairs, forces: Callable[[], list[float]]) -> Fl
         ops.timeSeries("Path", axis, "-dt", DT, "-values", *values)
         ops.pattern("UniformExcitation", axis, axis, "-accel", axis)
     analyse(numberer="RCM", system="UmfPack")
-    found = []
+    result = []
     for _ in range(len(ground) - 1):
         assert ops.analyze(1, DT) == 0
         row = [ops.nodeDisp(CENTRE, k) for k in (1, 2, 6)]
         row += [ops.nodeDisp(upper, k) for _, upper in pairs for k in (1, 2)]
-        found.append(row + forces())
-    return np.array(found)
+        result.append(row + forces())
+    return np.array(result)
 
 
 def compare(mine: Floats, theirs: Floats, name: str, measured: Recorder) -> None:

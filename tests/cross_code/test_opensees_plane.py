@@ -117,11 +117,11 @@ def test_lead_in_a_plane_against_opensees(name: str, measured: Recorder) -> None
     x = PATHS[name]()
     constants = bilinear_constants(BilinearParameters(STRENGTH, POST_YIELD, INITIAL))
     rows, _ = moved(constants, x, 20.0)
-    found = apart(rows.response["force"], opensees_forces(x, plasticity)).max()
-    assert found < tol.OPENSEES_PLANE
+    result = apart(rows.response["force"], opensees_forces(x, plasticity)).max()
+    assert result < tol.OPENSEES_PLANE
     measured(
         f"bilinear bearing in a plane, {name}, complete history of forces against OpenSees",
-        f"{found:.1e}",
+        f"{result:.1e}",
         f"{tol.OPENSEES_PLANE:g}",
     )
 
@@ -152,11 +152,11 @@ def test_smooth_yielding_in_a_plane_against_lead_rubber_x(name: str, measured: R
     """On the circle from a quarter of a turn on: it begins with a corner of 90 degrees."""
     x, *forces = fine_forces(name)
     corner = len(x) * 2 // 9 if name == "circle" else 0  # a quarter way out, a quarter turn
-    found = apart(*forces)[corner:].max()
-    assert found < tol.OPENSEES_LEAD_RUBBER
+    result = apart(*forces)[corner:].max()
+    assert result < tol.OPENSEES_LEAD_RUBBER
     measured(
         f"smooth yielding in a plane, {name}, complete history of forces against LeadRubberX",
-        f"{found:.1e}",
+        f"{result:.1e}",
         f"{tol.OPENSEES_LEAD_RUBBER:g}",
     )
 
@@ -169,12 +169,12 @@ def test_the_coupling_of_lead_rubber_x_depends_on_the_axes(name: str, measured: 
     changed = apart(turned(opensees_forces(turned(x, turn), lead_rubber_x), -turn), theirs).max()
     rows, _ = moved(smooth_constants(), turned(x, turn), 20.0)
     assert apart(turned(rows.response["force"], -turn), ours).max() < tol.PLANE_TURNED
-    found = apart(ours, theirs).max()
-    assert 0.5 * found < changed < tol.OPENSEES_COUPLING
-    assert found < tol.OPENSEES_COUPLING
+    result = apart(ours, theirs).max()
+    assert 0.5 * result < changed < tol.OPENSEES_COUPLING
+    assert result < tol.OPENSEES_COUPLING
     measured(
         f"{name} with sharp turns: difference from LeadRubberX; its own between axes 45 deg apart",
-        f"{found:.1e}, {changed:.1e}",
+        f"{result:.1e}, {changed:.1e}",
         f"{tol.OPENSEES_COUPLING:g}",
     )
 
@@ -214,7 +214,7 @@ def test_force_after_a_small_loop_lies_between_both_laws(measured: Recorder) -> 
     """
     bearing = load_bearing("shen-hdr-bridge")
     scale = YAMAMOTO_RUBBER / bearing.total_rubber_thickness
-    found: dict[str, list[float]] = {"published": [], "closed": [], "YamamotoBiaxialHDR": []}
+    result: dict[str, list[float]] = {"published": [], "closed": [], "YamamotoBiaxialHDR": []}
     for size in REVERSALS:
         out = np.linspace(0.0, 100.0, 201)[1:]
         loop = np.linspace(0.0, size, 41)[1:]
@@ -229,8 +229,8 @@ def test_force_after_a_small_loop_lies_between_both_laws(measured: Recorder) -> 
                 element.commit()
             forces[law] = np.array(moves)
         for name, force in forces.items():
-            found[name].append(100.0 * float(force[-1] / force[len(out) - 1] - 1.0))
-    published, closed, between = map(np.array, found.values())
+            result[name].append(100.0 * float(force[-1] / force[len(out) - 1] - 1.0))
+    published, closed, between = map(np.array, result.values())
     assert (np.abs(closed) < 0.5).all()
     assert (between[:3] > published[:3]).all()
     assert (between < -2.0).all()
@@ -238,7 +238,7 @@ def test_force_after_a_small_loop_lies_between_both_laws(measured: Recorder) -> 
         "force at 100 mm after reversals of 1, 3, 10, 20 mm: published, closed, YamamotoBiaxialHDR",
         "; ".join(
             ", ".join(f"{value:.0f}".replace("-0", "0") for value in values) + " %"
-            for values in found.values()
+            for values in result.values()
         ),
         "Yamamoto between the others up to 10 mm",
     )

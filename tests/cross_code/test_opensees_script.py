@@ -68,11 +68,11 @@ def forces(structure: Structure, ground: Floats) -> Floats:
     prepared = run.prepare_structure(structure)
     history = run.run_structure(prepared, lines, ground, DT, np.full(STEPS, 20.0))
     assert history.outcome == "completed"
-    found = [
+    result = [
         np.asarray(history.bearing(k)["force"]).reshape(STEPS + 1, -1) * one.count / one.scale**2
         for k, one in enumerate(structure.bearings)
     ]
-    return np.stack(found, axis=1)[1:]
+    return np.stack(result, axis=1)[1:]
 
 
 @needs_opensees

@@ -52,18 +52,18 @@ def one_mass(arguments: tuple[object, ...], scale: float = 1.0) -> None:
 
 def shake(steps: int) -> Floats:
     """Displacement of the mass after each step."""
-    found = []
+    result = []
     for _ in range(steps):
         assert ops.analyze(1, DT) == 0
-        found.append(ops.nodeDisp(2, 1))
-    return np.array(found)
+        result.append(ops.nodeDisp(2, 1))
+    return np.array(result)
 
 
 def own(ground: Floats) -> tuple[Floats, tb.BearingElement]:
     """The same with Newmark's method here."""
     bearing = tb.element(BEARING, ambient=AMBIENT)
     x = v = a = 0.0
-    found = []
+    result = []
     for acceleration in ground[1:]:
         new = x
         for _ in range(50):
@@ -77,8 +77,8 @@ def own(ground: Floats) -> tuple[Floats, tb.BearingElement]:
         bearing.set_trial(new, dt=DT)
         bearing.commit()
         v, a, x = 2.0 * (new - x) / DT - v, 4.0 * (new - x - DT * v) / DT**2 - a, new
-        found.append(x)
-    return np.array(found), bearing
+        result.append(x)
+    return np.array(result), bearing
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +86,8 @@ def expected() -> tuple[Floats, tb.BearingElement]:
     return own(GROUND)
 
 
-def off(found: Floats, right: Floats) -> float:
-    return float(np.abs(found - right).max() / np.abs(right).max())
+def off(result: Floats, right: Floats) -> float:
+    return float(np.abs(result - right).max() / np.abs(right).max())
 
 
 @pytest.mark.thorough
@@ -96,9 +96,9 @@ def test_one_mass_against_our_integrator(
 ) -> None:
     right, bearing = expected
     one_mass(line.element(1, (1, 2)))
-    found = shake(len(right))
+    actual = shake(len(right))
     result = line.results()
-    error = off(found, right)
+    error = off(actual, right)
     assert error < tol.OPENSEES_SERVED
     measured("one mass on a served bearing in OpenSees", f"{error:.1e}", f"{tol.OPENSEES_SERVED:g}")
     assert off(result["displacement"].values[0, 1:], right) < tol.OPENSEES_SERVED
@@ -128,11 +128,11 @@ def test_units_of_the_model_and_bearings_side_by_side(
         ops.timeSeries("Path", 1, "-dt", DT, "-values", *(GROUND / 1e3))
         ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
         analyse(tolerance=1e-14, **PLAIN)
-        found = 1e3 * shake(len(right))
+        result = 1e3 * shake(len(right))
         shear = 1e-3 * ops.eleForce(7)[3] / count
         ops.wipe()
         force = line.results()["force"].values[0, -1]
-    assert off(found, right) < tol.OPENSEES_SERVED
+    assert off(result, right) < tol.OPENSEES_SERVED
     assert shear == pytest.approx(force, rel=1e-12)  # on the upper node, of one bearing
 
 

@@ -81,10 +81,10 @@ def attribute(owner: Any, name: str) -> Any:
     if name == "plot" and getattr(owner, "_figures", ""):
         room = owner.__module__.rpartition(".")[0]
         return getattr(importlib.import_module(f"{room}.figures"), owner._figures)
-    found = getattr(owner, name)
-    if isinstance(found, cached_property):
-        return returned(found.func)
-    return returned(found.fget) if isinstance(found, property) else found
+    result = getattr(owner, name)
+    if isinstance(result, cached_property):
+        return returned(result.func)
+    return returned(result.fget) if isinstance(result, property) else result
 
 
 def returned(function: Any) -> Any:

@@ -139,8 +139,8 @@ PAGE = '<html><body><p class="edition">x 1.0, built today</p><h1 id="a">A</h1>{}
 def test_links_of_a_built_site_are_checked(tmp_path: Path, body: str, fault: str | None) -> None:
     (tmp_path / "one.html").write_text(PAGE.format(body))
     (tmp_path / "two.html").write_text(PAGE.format('<a id="b"></a>'))
-    found = links.faults(tmp_path, "1.0")
-    assert (found == []) if fault is None else (len(found) == 1 and fault in found[0])
+    result = links.faults(tmp_path, "1.0")
+    assert (result == []) if fault is None else (len(result) == 1 and fault in result[0])
 
 
 def test_a_page_without_version_is_reported(tmp_path: Path) -> None:

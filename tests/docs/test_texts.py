@@ -44,8 +44,8 @@ def blocks(text: str, language: str) -> list[str]:
 
 def commands(program: str) -> list[str]:
     """Lines of all bash blocks that start with the program, without their comments."""
-    found = [block for path in TEXTS for block in blocks(path.read_text(), "bash")]
-    lines = [line for block in found for line in block.splitlines()]
+    result = [block for path in TEXTS for block in blocks(path.read_text(), "bash")]
+    lines = [line for block in result for line in block.splitlines()]
     return [line.split("#")[0].strip() for line in lines if line.startswith(program)]
 
 
@@ -147,8 +147,8 @@ def test_numbers_of_a_run_are_held_against_the_docs(now: str, same: bool) -> Non
         {"what": "x", "value": "3.1e-15"},
     ]
     run = [{"what": "rise", "value": now}, {"what": "x", "value": "8.9e-15"}]
-    found = disagreements([*run, {"what": "new", "value": "1"}], reported)
-    assert found == ([] if same else [f"rise: the docs say 2.3e-04, 16.6 K of 22, this run {now}"])
+    result = disagreements([*run, {"what": "new", "value": "1"}], reported)
+    assert result == ([] if same else [f"rise: the docs say 2.3e-04, 16.6 K of 22, this run {now}"])
 
 
 def test_make_targets_exist() -> None:
@@ -166,7 +166,7 @@ def test_make_targets_exist() -> None:
 def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
     from thermobearing.commands.check import check_file
 
-    found = {}
+    result = {}
     cases = [case for path in FILES for case in blocks(path.read_text(encoding="utf-8"), "toml")]
     for case in cases:
         path = tmp_path / "case.toml"
@@ -176,8 +176,8 @@ def test_case_in_the_docs_is_valid(tmp_path: Path) -> None:
             encoding="utf-8",
         )
         (tmp_path / "record.csv").write_text("t_s,acc_gal\n0,0\n0.01,300\n0.02,-200\n0.03,0\n")
-        found[check_file(path).kind] = path
-    assert set(found) == {"case", "earthquake case", "sequence case", "structure", "study"}
+        result[check_file(path).kind] = path
+    assert set(result) == {"case", "earthquake case", "sequence case", "structure", "study"}
 
 
 def test_library_files_are_described(tmp_path: Path) -> None:
@@ -252,7 +252,7 @@ def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
     study = study.model_copy(update={"design": study.design.model_copy(update={"samples": 1})})
     run_study(study, tmp_path / "DIR", jobs=1, size=3)
     text = (DOCS / "files" / "study.md").read_text(encoding="utf-8")
-    found = {}
+    result = {}
     for line in text.splitlines():
         name = line.split(".")[0]
         if name not in ("pandas", "polars", "duckdb", "pyarrow"):
@@ -262,17 +262,17 @@ def test_lines_that_read_a_study_do(tmp_path: Path) -> None:
         module = importlib.import_module(name)
         if name == "pyarrow":
             importlib.import_module("pyarrow.parquet")
-        found[name] = eval(line.replace("DIR", str(tmp_path / "DIR")), {name: module})
+        result[name] = eval(line.replace("DIR", str(tmp_path / "DIR")), {name: module})
     table = Store(tmp_path / "DIR").table()
-    for (bearing, air), mean in found["pandas"].items():
+    for (bearing, air), mean in result["pandas"].items():
         rows = table[(table["bearing"] == bearing) & (table["ambient_degC"] == air)]
         np.testing.assert_allclose(mean, rows["pier_ductility"].mean(), rtol=tol.ROUNDING)
-    assert len(found["pandas"]) == 4
-    expected = {key: round(float(mean), 12) for key, mean in found["pandas"].items()}
-    for name in set(found) & {"polars", "duckdb"}:
-        rows = found[name].rows() if name == "polars" else found[name].fetchall()
+    assert len(result["pandas"]) == 4
+    expected = {key: round(float(mean), 12) for key, mean in result["pandas"].items()}
+    for name in set(result) & {"polars", "duckdb"}:
+        rows = result[name].rows() if name == "polars" else result[name].fetchall()
         assert {(one, air): round(mean, 12) for one, air, mean in rows} == expected
-    assert found["pyarrow"] == {b"unit": b"kN", b"meaning": b"largest force of one bearing"}
+    assert result["pyarrow"] == {b"unit": b"kN", b"meaning": b"largest force of one bearing"}
     # A bilinear bearing has no K_r: null, for those who tell that from NaN.
     stored = importlib.import_module("pyarrow.parquet").read_table(tmp_path / "DIR" / "shards")
     assert stored["bearing.K_r"].null_count == 4

@@ -139,8 +139,8 @@ def _tables(draw: st.DrawFn) -> Example:
         def measure(folder: Path) -> None:
             data = read_columns(folder / "a.csv", {"displacement": "mm", "force": "kN"})
             x, force = data["displacement"], data["force"]
-            found = measure_history(x, force, area=57600.0, total_rubber_thickness=30.0)
-            assert np.isfinite([cycle.energy_kN_mm for cycle in found]).all()
+            result = measure_history(x, force, area=57600.0, total_rubber_thickness=30.0)
+            assert np.isfinite([cycle.energy_kN_mm for cycle in result]).all()
 
         call = done(measure)
     else:

@@ -146,9 +146,9 @@ def calibration() -> str:
     """The problem of a folder of quoFEM, with a short test."""
     test = tb.cyclic_test(strain=[0.5], cycles=1, rest=None, dt=0.05)
     record = tb.synthetic_record("shen-hdr-specimen", 23.0, test, sampling=10.0)
-    found = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
+    result = tb.identify_bearing(record, "shen-hdr-specimen", free=["K_r"], starts=1)
     with TemporaryDirectory() as folder:
-        return Path(write_quofem(found, f"{folder}/q"), PROBLEM).read_text(encoding="utf-8")
+        return Path(write_quofem(result, f"{folder}/q"), PROBLEM).read_text(encoding="utf-8")
 
 
 def _places(table: Any) -> list[tuple[Any, Any]]:

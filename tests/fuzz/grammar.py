@@ -44,8 +44,8 @@ def _drawn(draw: st.DrawFn, item: Any) -> Any:
             number = round(draw(st.floats(low, high, allow_nan=False)), 4)
             return f"{number} {rest['unit']}" if rest else number
         case {"list": one, "least": least, "most": most, **rest}:
-            found = draw(st.lists(_drawn(one), min_size=least, max_size=most))
-            return [*rest.values(), *found]
+            result = draw(st.lists(_drawn(one), min_size=least, max_size=most))
+            return [*rest.values(), *result]
         case {"use": entry}:
             return draw(_drawn(ENTRIES[entry]))
         case {"stored": path}:

@@ -60,12 +60,12 @@ def pieces(draw: st.DrawFn) -> str:
 
 def _places(table: Any) -> list[tuple[Any, Any]]:
     items = table.items() if isinstance(table, dict) else enumerate(table)
-    found: list[tuple[Any, Any]] = []
+    result: list[tuple[Any, Any]] = []
     for key, value in items:
-        found.append((table, key))
+        result.append((table, key))
         if isinstance(value, dict | list):
-            found += _places(value)
-    return found
+            result += _places(value)
+    return result
 
 
 def _scaled(value: Any, power: int) -> Any:

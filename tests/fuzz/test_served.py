@@ -58,7 +58,7 @@ def serving(folder: Path) -> "Iterator[tuple[subprocess.Popen[str], int]]":
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:
         assert server.stderr is not None
         lines = iter(server.stderr)
-        port = next(int(found[1]) for text in lines if (found := re.search(r"port (\d+)", text)))
+        port = next(int(result[1]) for text in lines if (result := re.search(r"port (\d+)", text)))
         threading.Thread(target=lambda: list(lines), daemon=True).start()
         try:
             yield server, port

@@ -43,22 +43,22 @@ def _line(verdict: Verdict) -> str:
     return f"{verdict.verdict:8} {verdict.seconds:6.1f} s  {m.file}: {m.means}{by}"
 
 
-def _report(found: list[Verdict], faults: list[str], used: float) -> None:
+def _report(result: list[Verdict], faults: list[str], used: float) -> None:
     """Survivors, counts of each room, processor time."""
     for name in (SURVIVED, TOO_LONG):
-        items = [item for item in found if item.verdict == name]
+        items = [item for item in result if item.verdict == name]
         print(f"\n{name}:" if items else f"\n{name}: none")
         for item in sorted(items, key=lambda item: item.mutant.file):
             print(f"  {item.mutant.file}: {item.mutant.means}")
     for fault in faults:
         print(f"  {fault}")
-    whole = Counter(item.mutant.room for item in found)
-    caught = Counter(item.mutant.room for item in found if item.verdict == CAUGHT)
+    whole = Counter(item.mutant.room for item in result)
+    caught = Counter(item.mutant.room for item in result if item.verdict == CAUGHT)
     print("\nroom          caught  of")
     for room in sorted(whole):
         print(f"{room:12} {caught[room]:7} {whole[room]:3}")
     total = caught.total()
-    print(f"{'all':12} {total:7} {len(found):3}  {100.0 * total / max(len(found), 1):.1f} %")
+    print(f"{'all':12} {total:7} {len(result):3}  {100.0 * total / max(len(result), 1):.1f} %")
     print(f"{used:.0f} s of processor time")
 
 
@@ -79,12 +79,12 @@ def main() -> int:
     copies = [Copy(number) for number in range(max(1, min(asked.jobs, len(mutants))))]
     broken = [] if asked.trust else failing_anyway(copies, mutants)
     faults += [f"fails without any mutant, and is left out: {test}" for test in broken]
-    found = []
+    result = []
     for item in verdicts(copies, mutants):
-        found.append(item)
+        result.append(item)
         print(_line(item), flush=True)
-    _report(found, faults, sum(copy.used for copy in copies))
-    share = sum(item.verdict == CAUGHT for item in found) / max(len(found), 1)
+    _report(result, faults, sum(copy.used for copy in copies))
+    share = sum(item.verdict == CAUGHT for item in result) / max(len(result), 1)
     return 0 if asked.random or (share >= ENOUGH and not faults) else 1
 
 

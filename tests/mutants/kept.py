@@ -66,10 +66,10 @@ def nearest_tests() -> dict[str, list[str]]:
 
 def entries() -> list[dict[str, Any]]:
     """The kept list as it is written."""
-    found: list[dict[str, Any]] = []
+    result: list[dict[str, Any]] = []
     for path in sorted((HERE / "kept").glob("*.toml")):
-        found += tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]
-    return found
+        result += tomllib.loads(path.read_text(encoding="utf-8"))["mutant"]
+    return result
 
 
 def changed(file: str, old: str, new: str) -> str:
@@ -87,7 +87,7 @@ def changed(file: str, old: str, new: str) -> str:
 def kept_mutants() -> tuple[list[Mutant], list[str]]:
     """The kept list ready to run, and sentences on those that no longer apply."""
     nearest = nearest_tests()
-    found, faults = [], []
+    result, faults = [], []
     for entry in entries():
         file = str(entry["file"])
         try:
@@ -97,5 +97,5 @@ def kept_mutants() -> tuple[list[Mutant], list[str]]:
             continue
         tests = _below_tests(entry["tests"]) if "tests" in entry else nearest[file]
         plain = bool(entry.get("plain"))
-        found.append(Mutant(file, str(entry["means"]), text, tuple(tests), plain))
-    return found, faults
+        result.append(Mutant(file, str(entry["means"]), text, tuple(tests), plain))
+    return result, faults

@@ -136,9 +136,9 @@ class Copy:
         """Exit status and output of pytest; ENDED_BY_LIMIT if it reached a limit."""
         left_out = [f"--deselect={test}" for test in self.left_out]
         words = [*OPTIONS, *options, *left_out, *tests]
-        said = self.folder.with_suffix(".txt")
+        output = self.folder.with_suffix(".txt")
         child = SERVER.Process(
-            target=_pytest_here, args=(self.folder, self._environment(plain), words, said)
+            target=_pytest_here, args=(self.folder, self._environment(plain), words, output)
         )
         child.start()
         child.join(CLOCK_LIMIT)
@@ -149,7 +149,7 @@ class Copy:
         if child.exitcode in (-signal.SIGXCPU, -signal.SIGKILL):
             self.used += PROCESSOR_LIMIT
             return ENDED_BY_LIMIT, ""
-        text = said.read_text(encoding="utf-8", errors="replace")
+        text = output.read_text(encoding="utf-8", errors="replace")
         self.used += float(text.rpartition(USED)[2] if USED in text else 0.0)
         return child.exitcode or 0, text.rpartition(USED)[0]
 
@@ -170,18 +170,18 @@ class Copy:
         try:
             options = ("-x", "-m", "not thorough") if mutant.by_chance else ("-x",)
             rest = [test for test in mutant.tests if test != BY_HAND or mutant.plain]
-            status, said = NOTHING_RUN, ""
+            status, output = NOTHING_RUN, ""
             if BY_HAND in mutant.tests and not mutant.plain:
-                status, said = self.pytest([BY_HAND], *options, plain=True)
+                status, output = self.pytest([BY_HAND], *options, plain=True)
             if status in PASSED and rest:
-                status, said = self.pytest(rest, *options, plain=mutant.plain)
+                status, output = self.pytest(rest, *options, plain=mutant.plain)
         finally:
             shutil.copy2(kept, path)
             for name in self._compiled() - compiled:  # nobody needs those kernels again
                 shutil.rmtree(self.folder / COMPILED / name, ignore_errors=True)
         names = {0: SURVIVED, NOTHING_RUN: SURVIVED, ENDED_BY_LIMIT: TOO_LONG}
         verdict = names.get(status, CAUGHT)
-        by = (_failures(said) or ["an error before the tests"])[0] if verdict == CAUGHT else ""
+        by = (_failures(output) or ["an error before the tests"])[0] if verdict == CAUGHT else ""
         return Verdict(mutant, verdict, by, self.used - used_before)
 
     def _compiled(self) -> set[str]:
@@ -191,17 +191,17 @@ class Copy:
 
 def _failures(said: str) -> list[str]:
     """Tests that failed, in their order."""
-    found = [
+    result = [
         line.partition(" ")[2].partition(" - ")[0]
         for line in said.splitlines()
         if line.startswith(("FAILED ", "ERROR "))
     ]
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(result))
 
 
 def failing_anyway(copies: list[Copy], mutants: list[Mutant]) -> list[str]:
     """Nearest tests that fail without any mutant; from now on the copies leave them out."""
-    found: list[str] = []
+    result: list[str] = []
     for plain in (False, True):
         tests = sorted({test for m in mutants if m.plain is plain for test in m.tests})
         parts = [tests[k :: len(copies)] for k in range(len(copies))]
@@ -211,12 +211,12 @@ def failing_anyway(copies: list[Copy], mutants: list[Mutant]) -> list[str]:
                 for copy, part in zip(copies, parts, strict=True)
                 if part
             ]
-            found += [
-                test for _, said in (job.result() for job in jobs) for test in _failures(said)
+            result += [
+                test for _, output in (job.result() for job in jobs) for test in _failures(output)
             ]
     for copy in copies:
-        copy.left_out = found
-    return found
+        copy.left_out = result
+    return result
 
 
 def verdicts(copies: list[Copy], mutants: list[Mutant]) -> Iterator[Verdict]:

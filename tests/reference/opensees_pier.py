@@ -181,10 +181,10 @@ def compare_bearings(
     deck = unit(structure, f"{report.deck} x")
     pier = displacement_row(structure, report.pier, report.pier_top)
     factor = line.count / line.scale**2
-    found = {
+    result = {
         "deck": history.rows.q @ deck,
         "pier": history.rows.q @ pier,
         "force": factor * history.bearing()["force"],
         "acceleration": history.rows.a @ deck,
     }
-    return {key: np.asarray(values[1:]) for key, values in found.items()}, reference
+    return {key: np.asarray(values[1:]) for key, values in result.items()}, reference

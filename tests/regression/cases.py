@@ -130,14 +130,14 @@ def case_tolerance(name: str) -> float:
 
 
 def case_results(name: str, folder: Path) -> dict[str, str]:
-    found = collect_texts(*carry_out(name, folder))
+    result = collect_texts(*carry_out(name, folder))
     # Parts of a sequence are results of commands that have separate cases.
-    found = {k: v for k, v in found.items() if not k.startswith("parts/")}
-    if "summary.json" in found:  # bearing and structure, which other files have
-        reported = json.loads(found["summary.json"])
+    result = {k: v for k, v in result.items() if not k.startswith("parts/")}
+    if "summary.json" in result:  # bearing and structure, which other files have
+        reported = json.loads(result["summary.json"])
         reported.pop("inputs", None)
-        found["summary.json"] = json.dumps(reported, indent=0, ensure_ascii=False) + "\n"
-    return {k: v for k, v in found.items() if k != "case.resolved.toml" or name in RESOLVED}
+        result["summary.json"] = json.dumps(reported, indent=0, ensure_ascii=False) + "\n"
+    return {k: v for k, v in result.items() if k != "case.resolved.toml" or name in RESOLVED}
 
 
 def _invoke(words: str) -> str:
@@ -145,5 +145,5 @@ def _invoke(words: str) -> str:
         done = CliRunner().invoke(app, words.split(), env={"COLUMNS": "500", "NO_COLOR": "1"})
     if done.exception is not None and not isinstance(done.exception, SystemExit):
         raise done.exception
-    said = done.output.replace(f"{COMPILING}\n", "")  # in the first run of a new machine code
-    return f"{said}exit status {done.exit_code}\n".replace(os.getcwd(), "<here>")
+    output = done.output.replace(f"{COMPILING}\n", "")  # in the first run of a new machine code
+    return f"{output}exit status {done.exit_code}\n".replace(os.getcwd(), "<here>")

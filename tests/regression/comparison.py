@@ -32,19 +32,19 @@ TEXTS = {".json", ".csv", ".toml", ".tcl"}
 
 
 def collect_texts(screen: str, directory: Path | None) -> dict[str, str]:
-    found = {"screen.txt": _squeezed(screen)} if screen else {}
+    result = {"screen.txt": _squeezed(screen)} if screen else {}
     paths = sorted(directory.rglob("*")) if directory else []
     for path in paths:
         name = str(path.relative_to(directory or Path()))
         if path.suffix == ".nc":
-            found[f"{name}.txt"] = _digest(path)
+            result[f"{name}.txt"] = _digest(path)
         elif path.suffix == ".py":  # no code of ours
-            found[f"{name}.txt"] = path.read_text()
+            result[f"{name}.txt"] = path.read_text()
         elif path.suffix in TEXTS:
-            found[name] = _plain(path).replace(str((directory or path).parent), "<here>")
+            result[name] = _plain(path).replace(str((directory or path).parent), "<here>")
     for pattern, instead in CHANGING:
-        found = {name: pattern.sub(instead, text) for name, text in found.items()}
-    return found
+        result = {name: pattern.sub(instead, text) for name, text in result.items()}
+    return result
 
 
 def _squeezed(screen: str) -> str:
@@ -119,16 +119,16 @@ def stored(case: str) -> dict[str, str]:
 
 def differences(old: dict[str, str], new: dict[str, str], relative: float) -> list[str]:
     """Lines of two sets of files that differ; text exactly, numbers beyond the tolerances."""
-    found = [f"{name}: is gone" for name in old if name not in new]
-    found += [f"{name}: is new" for name in new if name not in old]
+    result = [f"{name}: is gone" for name in old if name not in new]
+    result += [f"{name}: is new" for name in new if name not in old]
     for name in old:
         lines = zip_longest(old[name].splitlines(), new.get(name, old[name]).splitlines())
-        found += [
+        result += [
             f"{name}:{at}: {before!r} -> {after!r}"
             for at, (before, after) in enumerate(lines, 1)
             if before is None or after is None or not _alike(before, after, relative)
         ]
-    return found
+    return result
 
 
 def _alike(old: str, new: str, relative: float) -> bool:

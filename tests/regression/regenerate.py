@@ -38,11 +38,11 @@ def words(given: list[str]) -> tuple[str, list[str]]:
     parser.add_argument("reason", nargs="?", default="", help="why, for reasons.md")
     known = f"all by default; there are {', '.join(CASES)}"
     parser.add_argument("cases", nargs="*", metavar="CASE", help=known)
-    found = parser.parse_args(given)
-    unknown = sorted(set(found.cases) - set(CASES))
+    result = parser.parse_args(given)
+    unknown = sorted(set(result.cases) - set(CASES))
     if unknown:
         parser.error(f"no case is called {unknown[0]}; {known}")
-    return found.reason, found.cases
+    return result.reason, result.cases
 
 
 def main() -> None:
@@ -50,12 +50,12 @@ def main() -> None:
     changed = []
     for case in chosen or CASES:
         texts = compute(case)
-        found = differences(stored(case), texts, case_tolerance(case))
-        if not found:
+        result = differences(stored(case), texts, case_tolerance(case))
+        if not result:
             continue
-        changed.append(f"{case} ({len(found)} lines)")
-        print(f"{case}: {len(found)} lines differ")
-        print("".join(f"  {line}\n" for line in found[:SHOWN]), end="")
+        changed.append(f"{case} ({len(result)} lines)")
+        print(f"{case}: {len(result)} lines differ")
+        print("".join(f"  {line}\n" for line in result[:SHOWN]), end="")
         if reason:
             write(case, texts)
     if reason and changed:

@@ -34,9 +34,9 @@ LONG += ("lambda-lead", "python-restart", "bridge-lines")
 )
 def test_golden(case: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(laws, "_REGISTERED", {})  # without those of other tests
-    found = differences(stored(case), case_results(case, tmp_path), case_tolerance(case))
-    reported = "\n".join(found[:SHOWN])
-    assert not found, f"{len(found)} lines differ from golden/{case}:\n{reported}"
+    result = differences(stored(case), case_results(case, tmp_path), case_tolerance(case))
+    reported = "\n".join(result[:SHOWN])
+    assert not result, f"{len(result)} lines differ from golden/{case}:\n{reported}"
     if case in READ_AGAIN:
         assert_inputs_again(tmp_path / case, READ_AGAIN[case])
 
@@ -57,8 +57,8 @@ def assert_inputs_again(folder: Path, whole: str) -> None:
 def test_every_golden_file_belongs_to_a_case_and_has_a_reason() -> None:
     assert {path.name for path in GOLDEN.iterdir()} == {*CASES, REASONS.name}
     assert all(stored(case) for case in CASES)
-    said = REASONS.read_text()
-    assert [case for case in CASES if f"{case} (" not in said] == []
+    output = REASONS.read_text()
+    assert [case for case in CASES if f"{case} (" not in output] == []
 
 
 LINE = '"h_eq": 0.123456789, "steps": 12, "name": "inner 3"'

@@ -16,8 +16,8 @@ KEPT = ("verdict", "words", "computed", "printed_model", "flips", "stands_5_per_
 
 
 def load_baseline() -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = json.loads(BASELINE.read_text(encoding="utf-8"))
-    return found
+    result: dict[str, dict[str, Any]] = json.loads(BASELINE.read_text(encoding="utf-8"))
+    return result
 
 
 def main() -> None:

@@ -122,13 +122,13 @@ def test_rows_that_echo_an_input_are_marked_and_groups_counted_apart() -> None:
     wrong = claim(echoes=True, rule=Within(value=1.0, per_cent=1.0))
     assert make_row(wrong, Runs()).verdict.kind == CONTRADICTED
     rows = [make_row(one, Runs()) for one in load_claims("misprints")[:2]]
-    found = Reproduction(None, [*rows, make_row(claim(echoes=True), Runs())])
-    assert {group: sum(counts.values()) for group, counts in found.groups.items()} == {
+    result = Reproduction(None, [*rows, make_row(claim(echoes=True), Runs())])
+    assert {group: sum(counts.values()) for group, counts in result.groups.items()} == {
         "statements": 1,
         "misprints": 2,
     }
-    assert found.groups["statements"][ECHOES] == 1
-    assert found.headline.startswith("Reproduction: 1 statements, 1 echoes an input; 2 misprints")
+    assert result.groups["statements"][ECHOES] == 1
+    assert result.headline.startswith("Reproduction: 1 statements, 1 echoes an input; 2 misprints")
 
 
 @pytest.mark.parametrize(
@@ -199,8 +199,8 @@ def test_the_smallest_change_that_flips(limits: tuple[float, float], change: flo
     def judged(runs: Runs) -> Verdict:
         return judge(Limit(above=limits[0], below=limits[1]), runs.change.get("K_r", 1.0))
 
-    found = find_flip(claim(), judged, Variants(), "K_r").change
-    assert found is None if change is None else found == pytest.approx(change, abs=0.02)
+    result = find_flip(claim(), judged, Variants(), "K_r").change
+    assert result is None if change is None else result == pytest.approx(change, abs=0.02)
 
 
 def test_a_row_says_what_flips_it_or_why_more_stiffness_does_not() -> None:

@@ -30,8 +30,8 @@ WIDE = WIDEST + 1e-9
 
 
 def hybrid_tests(runs: Runs, *words: str) -> EarthquakeResult:
-    found: EarthquakeResult = figure_words(runs)["hybrid_tests"](*words)
-    return found
+    result: EarthquakeResult = figure_words(runs)["hybrid_tests"](*words)
+    return result
 
 
 def test_every_computed_figure_is_listed() -> None:

@@ -67,9 +67,9 @@ def test_a_tiny_search_of_the_bridge() -> None:
     warm, cool, cold = study.table["bearing_energy_kN_mm"]
     assert ours["energy at 0: numbers"] == f"{100.0 * (cool / warm - 1.0):.3g}"
     assert ours["energy at -20: numbers"] == f"{100.0 * (cold / warm - 1.0):.3g}"
-    found = conflicts(load_joint(), "bridge", table).set_index(["statement", "and"])
-    assert found["met_by"]["yields", ""] == 1
-    assert (found["of"] == 2).all()
+    result = conflicts(load_joint(), "bridge", table).set_index(["statement", "and"])
+    assert result["met_by"]["yields", ""] == 1
+    assert (result["of"] == 2).all()
 
 
 def test_a_tiny_search_of_the_hybrid_test() -> None:
@@ -111,9 +111,9 @@ def test_pairs_that_no_set_meets() -> None:
     choice = Choice(study="bridge", name="k", values=(1, 2), means="x")
     joint = Joint(choice=(choice,), statement=statements)
     table = pd.DataFrame({"a": [True, False], "b": [False, True], "c": [False, False]})
-    found = conflicts(joint, "bridge", table)
-    assert found["met_by"].tolist() == [1, 1, 0, 0]
-    assert found.iloc[-1][["statement", "and"]].tolist() == ["a", "b"]
+    result = conflicts(joint, "bridge", table)
+    assert result["met_by"].tolist() == [1, 1, 0, 0]
+    assert result.iloc[-1][["statement", "and"]].tolist() == ["a", "b"]
 
 
 def test_what_one_choice_changes() -> None:
@@ -122,8 +122,8 @@ def test_what_one_choice_changes() -> None:
     table = pd.DataFrame(
         {"j": [1, 1, 2, 2], "k": [1, 2, 1, 2], "met": [5, 8, 4, 0], "why": ["", "", "", "no"]}
     )
-    found = weights(Joint(choice=choices, statement=()), "bridge", table)
-    assert found.to_numpy().tolist() == [["j", 1, 1.0, 1], ["k", 1, 3.0, 3]]
+    result = weights(Joint(choice=choices, statement=()), "bridge", table)
+    assert result.to_numpy().tolist() == [["j", 1, 1.0, 1], ["k", 1, 3.0, 3]]
 
 
 def test_structures_of_a_set() -> None:

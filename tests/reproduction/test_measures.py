@@ -37,9 +37,9 @@ def test_a_small_change_flips_what_it_should(
 def test_flips_are_found() -> None:
     """Those of an eigenvalue: T goes with the root of the mass, printed 1.70 +- 1 %."""
     row = make_row(CLAIMS["table-6-2-period"], Runs(), Variants())
-    found = {flip.parameter: flip.change for flip in row.flips}
-    assert 0.01 < (found["m_1"] or 0.0) < 0.025
-    assert -0.05 < (found["K_B"] or 0.0) < -0.02
+    result = {flip.parameter: flip.change for flip in row.flips}
+    assert 0.01 < (result["m_1"] or 0.0) < 0.025
+    assert -0.05 < (result["K_B"] or 0.0) < -0.02
     assert row.stiffer
 
 

@@ -145,8 +145,8 @@ def row(kind: str, slip: str, value: float, bearing: str = "LHDR") -> SlipRow:
 @pytest.fixture
 def rows() -> list[SlipRow]:
     lhdr = [("chain", "", 10.0), ("chain", CLOCK, 11.0), ("chain", SHIMS, 22.0)]
-    found = [row(*each) for each in [*lhdr, ("alone", CLOCK, 10.5), ("alone", SHIMS, 20.0)]]
-    return [*found, row("chain", "", 5.0, "HDR"), row("chain", SHIMS, 4.0, "HDR")]
+    result = [row(*each) for each in [*lhdr, ("alone", CLOCK, 10.5), ("alone", SHIMS, 20.0)]]
+    return [*result, row("chain", "", 5.0, "HDR"), row("chain", SHIMS, 4.0, "HDR")]
 
 
 def test_table(rows: list[SlipRow]) -> None:

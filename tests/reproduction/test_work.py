@@ -69,20 +69,20 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _picture() -> bytes:
-    found = io.BytesIO()
-    Figure(figsize=(1.0, 1.0)).savefig(found, format="png")
-    return found.getvalue()
+    result = io.BytesIO()
+    Figure(figsize=(1.0, 1.0)).savefig(result, format="png")
+    return result.getvalue()
 
 
 def test_a_broken_row_does_not_stop_the_others(few: None, tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
-    found = work.reproduce(jobs=1, progress=lambda done, total: seen.append((done, total)))
+    result = work.reproduce(jobs=1, progress=lambda done, total: seen.append((done, total)))
     assert seen == [(1, 2), (2, 2)]
-    assert [row.verdict.kind for row in found.rows] == ["reproduced", "contradicted", "failed"]
-    assert set(found.broken) == {"nothing"}
-    assert found.outcome == "partly"
-    assert found.groups["statements"][FAILED] == 1
-    folder = found.save(tmp_path / "out")
+    assert [row.verdict.kind for row in result.rows] == ["reproduced", "contradicted", "failed"]
+    assert set(result.broken) == {"nothing"}
+    assert result.outcome == "partly"
+    assert result.groups["statements"][FAILED] == 1
+    folder = result.save(tmp_path / "out")
     ledger = json.loads((folder / "ledger.json").read_text())
     assert [row["id"] for row in ledger] == [claim.id for claim in FEW]
     assert ledger[0]["flips"]["t_r"] == pytest.approx(0.0125, abs=0.005)
@@ -100,8 +100,8 @@ def test_a_row_that_nothing_flips_says_what_was_tried() -> None:
 
 
 def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
-    found = work.reproduce(jobs=1)
-    pieces = found.pieces()
+    result = work.reproduce(jobs=1)
+    pieces = result.pieces()
     assert dict(map(tuple, pieces.tables["counts"].rows))[REPRODUCED] == 1
     assert pieces.figures["fig_0_01"].caption == "a caption"
     assert "1 reproduced, 1 contradicted" in pieces.answer[0]
@@ -109,7 +109,7 @@ def test_the_document_has_every_claim(few: None, tmp_path: Path) -> None:
     blocks = _arranged(pieces, DATA / "report.md")
     headings = {block.text for block in blocks if isinstance(block, Heading)}
     assert {"How to read it", "Expressions and functions"} <= headings
-    (page,) = found.write_report(found.save(tmp_path / "out"), pdf=False)
+    (page,) = result.write_report(result.save(tmp_path / "out"), pdf=False)
     assert "Expressions of the claims" in page.read_text(encoding="utf-8")
 
 

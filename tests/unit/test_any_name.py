@@ -88,13 +88,13 @@ def test_results_of_any_name_are_written_and_read(
 ) -> None:
     cyclic.save(tmp_path / "cyclic", figures=False)
     assert tb.load_result(tmp_path / "cyclic").dataset.attrs["title"]
-    found = tb.bridge(
+    result = tb.bridge(
         structure="pier-p1", bearing=specimen, motion="jra-ii-i-1", ambient=0.0, duration=0.5
     )
-    found.save(tmp_path / "bridge", figures=False)
+    result.save(tmp_path / "bridge", figures=False)
     again = tb.load_result(tmp_path / "bridge")
-    assert again.dataset.attrs.keys() == found.dataset.attrs.keys()
-    assert json_line(again.summary()) == json_line(found.summary())
+    assert again.dataset.attrs.keys() == result.dataset.attrs.keys()
+    assert json_line(again.summary()) == json_line(result.summary())
     again.save(tmp_path / "again", figures=False)
     assert tb.load_result(tmp_path / "again").summary()["initial_periods_s"].keys() == {STRANGE}
 
@@ -128,10 +128,10 @@ def test_no_text_of_a_table_is_a_formula() -> None:
 
 def test_a_formula_in_a_name_is_text_in_the_table(tmp_path: Path) -> None:
     bearing = changed_bearing(tb.load_bearing(SOURCE), name='=HYPERLINK("http:evil","ok")')
-    found = tb.bridge(
+    result = tb.bridge(
         structure="pier-p1", bearing=bearing, motion="jra-ii-i-1", ambient=0.0, duration=0.2
     )
-    found.save(tmp_path / "out", figures=False)
+    result.save(tmp_path / "out", figures=False)
     assert "\n=" not in (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
     assert ",=" not in (tmp_path / "out" / "table.csv").read_text(encoding="utf-8")
     table = pd.read_csv(tmp_path / "out" / "table.csv")

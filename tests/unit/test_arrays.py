@@ -21,12 +21,12 @@ QUICK: dict[str, Any] = {"bearing": "shen-bilinear-bridge", "ambient": 23, "dura
 
 def kiknet(folder: Path) -> list[str]:
     """Two horizontal components of one station, distinguished by the ending of the file only."""
-    found = []
+    result = []
     for end, direction in (("EW2", "5"), ("NS2", "4")):
         path = folder / f"ABCH011103111446.{end}"
         path.write_text(files.knet_text(direction=direction))
-        found.append(str(path))
-    return found
+        result.append(str(path))
+    return result
 
 
 def test_components_of_a_station_have_names_of_their_own(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_a_ground_motion_is_run_as_its_file_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"acceleration": np.ones((3, 2))}, "list of numbers"),
         ({"acceleration": [0.0, np.nan]}, "not finite"),
@@ -74,13 +74,13 @@ def test_a_ground_motion_is_run_as_its_file_is(tmp_path: Path) -> None:
         ({"dt": "0.01 s"}, "dt = '0.01 s'"),
     ],
 )
-def test_ground_motions_that_are_none(change: dict[str, Any], said: str) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_ground_motions_that_are_none(change: dict[str, Any], message: str) -> None:
+    with pytest.raises(tb.InputError, match=message):
         GroundMotion(**({"name": "mine", "dt": 0.01, "acceleration": SHORT} | change))
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"time": [0.0, 0.01]}, "2 times and 400 accelerations"),
         ({"time": -0.01 * np.arange(400)}, "sample 2: time does not increase"),
@@ -93,10 +93,10 @@ def test_ground_motions_that_are_none(change: dict[str, Any], said: str) -> None
         ({"acceleration": [[1.0]]}, "list of numbers"),
     ],
 )
-def test_arrays_that_are_no_motion(change: dict[str, Any], said: str) -> None:
+def test_arrays_that_are_no_motion(change: dict[str, Any], message: str) -> None:
     given = {"acceleration": SHORT, "unit": "mm/s2", "dt": 0.01} | change
     given |= {"dt": None} if "time" in change else {}
-    with pytest.raises(tb.InputError, match=said):
+    with pytest.raises(tb.InputError, match=message):
         motion_from_arrays(**given)
 
 
@@ -119,16 +119,16 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
     file.write_text("time_s,displacement_mm\n" + rows)
     steps = [{"step": "recorded", "file": str(file)}]
     expected = tb.run("shen-hdr-specimen", tb.CyclicTest(steps=steps), ambient=-20)
-    found = tb.run("shen-hdr-specimen", test=(time, x), ambient=-20)
-    assert_array_equal(found["force"], expected["force"])
-    found.save(tmp_path / "out", figures=False)
+    result = tb.run("shen-hdr-specimen", test=(time, x), ambient=-20)
+    assert_array_equal(result["force"], expected["force"])
+    result.save(tmp_path / "out", figures=False)
     again = tb.load_case(tmp_path / "out" / "case.resolved.toml")
     assert again.test == tb.load_case(tmp_path / "out" / "case.resolved.toml").test
     assert again.test.steps[0].points(0.0)[1].tolist() == x.tolist()  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize(
-    ("history", "said"),
+    ("history", "message"),
     [
         ((1.0,), "two arrays"),
         (([0.0, 1.0], [0.0]), "2 times and 1 displacements"),
@@ -139,8 +139,8 @@ def test_a_history_is_run_as_its_file_is(tmp_path: Path) -> None:
         (([0.0, 1.0], [0.0, 1e4]), "is the unit right"),
     ],
 )
-def test_histories_that_are_none(history: Any, said: str) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_histories_that_are_none(history: Any, message: str) -> None:
+    with pytest.raises(tb.InputError, match=message):
         tb.run("shen-hdr-specimen", test=history)
 
 

@@ -80,8 +80,8 @@ def test_critical_load_is_the_eigenvalue_of_haringx_column(plan):
         size = cells - 1
         second = (2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)) / step**2
         euler = bending * np.linalg.eigvalsh(second)[0]
-        found = np.roots([1.0 / shear, 1.0, -euler]).max()
-        errors.append(critical_load(geometry, modulus) / found - 1.0)
+        result = np.roots([1.0 / shear, 1.0, -euler]).max()
+        errors.append(critical_load(geometry, modulus) / result - 1.0)
     assert errors[1] < 5e-4
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # second order
 

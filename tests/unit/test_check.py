@@ -87,12 +87,12 @@ SLIPS: dict[str, tuple[dict[str, Any], str]] = {
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_a_slip_is_named(slip: str, tmp_path: Path) -> None:
-    changes, said = SLIPS[slip]
+    changes, output = SLIPS[slip]
     file = write_toml(tmp_path / "mine.toml", changed_table(specimen_table(), changes))
     checked = check_file(file)
     assert checked.kind == "bearing"
-    assert any(said in sentence for sentence in checked.warnings), checked.warnings
-    mine = next(sentence for sentence in checked.warnings if said in sentence)
+    assert any(output in sentence for sentence in checked.warnings), checked.warnings
+    mine = next(sentence for sentence in checked.warnings if output in sentence)
     assert "Usual cause: " in mine
     assert "Shen" in mine  # where the usual range is from
 
@@ -176,7 +176,7 @@ def test_what_a_bearing_was_tested_at_is_a_fact() -> None:
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
         ('"2615.3 N/mm"', '"2.6153 N/mm"', ["first period", "N/mm for kN/mm"]),
         ('"400 t"', '"400 kg"', ["mass of the deck = 0.4 t", "kg for t"]),
@@ -184,7 +184,7 @@ def test_what_a_bearing_was_tested_at_is_a_fact() -> None:
         ('"0.309e-2 rad"', '"0.309 rad"', ["pier base: yield_rotation = 0.309 rad"]),
     ],
 )
-def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, said: list[str]) -> None:
+def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, message: list[str]) -> None:
     text = (data_path("structures") / "pier-p1.toml").read_text()
     file = tmp_path / "mine.toml"
     file.write_text(text)
@@ -192,7 +192,7 @@ def test_slips_in_a_structure(tmp_path: Path, old: str, new: str, said: list[str
     assert old in text
     file.write_text(text.replace(old, new))
     warnings = check_file(file).warnings
-    for words in said:
+    for words in message:
         assert any(words in text for text in warnings), warnings
     case = tmp_path / "case.toml"
     case.write_text('structure = "mine.toml"\ncompound = "G8"\n')

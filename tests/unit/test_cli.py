@@ -197,9 +197,9 @@ def test_check_shows_what_lines_have_of_their_own(tmp_path: Path) -> None:
         'axial_force = "800 kN"\n[analysis]\ncomponents = 1\n'
         '[[lines]]\nline = "A1"\nambient = "-5 degC"\naxial_force = "400 kN"\n'
     )
-    said = " ".join(inputs.command("check", path).output.split())
-    assert "motions jra-ii-i-1 at 30 deg ambient 0 degC axial force 800 kN" in said
-    assert "line A1 -5 degC, 400 kN runs 2, average" in said
+    output = " ".join(inputs.command("check", path).output.split())
+    assert "motions jra-ii-i-1 at 30 deg ambient 0 degC axial force 800 kN" in output
+    assert "line A1 -5 degC, 400 kN runs 2, average" in output
 
 
 def test_the_list_of_structures_parts_names_and_descriptions() -> None:

@@ -289,23 +289,23 @@ def test_any_analysis_reads_the_files_that_studies_read(tmp_path: Path) -> None:
     table = tmp_path / "town.csv"
     rows = [f"{date};{air:.4f}".replace(".", ",") for date, air in _rows(hourly)]
     table.write_text("\n".join(["time;temperature_degC", *rows]))
-    found = []
+    result = []
     for file in (epw, table):
         words = {"duration": "1 s", "analysis": {"keep": ["rubber", "cells"]}}
         line = [{"line": "G1-G5", "weather": str(file)}]
         for changes in ({"weather": str(file)}, {"lines": line, "ambient": ["20 degC"]}):
             case = {"bearings": ["shen-lhdr-bridge"], "motions": ["jra-ii-i-1"]} | words | changes
             (task,) = build_tasks(make_earthquake_case(case, "test"))
-            found.append((task.reported.temperature, task.reported.lead))
+            result.append((task.reported.temperature, task.reported.lead))
         test = tb.cyclic_test(strain=[0.2], cycles=1)
         done = make_case(
             {"ambient_series": str(file)}, "test", bearing="shen-hdr-specimen", test=test
         )
-        found.append((run_case(done)["temperature"].values, None))
-    for (cells, lead), (other, other_lead) in zip(found[:3], found[3:], strict=True):
+        result.append((run_case(done)["temperature"].values, None))
+    for (cells, lead), (other, other_lead) in zip(result[:3], result[3:], strict=True):
         assert_array_equal(cells, other)
         assert lead == other_lead
-    assert found[0][0][0] < -28.0  # it is as cold as the file
+    assert result[0][0][0] < -28.0  # it is as cold as the file
 
 
 def _rows(hourly: tb.Hourly) -> list[tuple[str, float]]:
@@ -398,12 +398,12 @@ def test_design_temperature_of_a_gumbel_distribution() -> None:
     place, scale, count = -20.0, 3.0, 400
     shares = (np.arange(count) + 0.5) / count
     lowest = place + scale * np.log(-np.log(shares))
-    found = find_cold(_winters(lowest.tolist()), return_period=50)
+    result = find_cold(_winters(lowest.tolist()), return_period=50)
     exact = place + scale * np.log(-np.log(1.0 - 1.0 / 50.0))
-    assert found.winters == count
-    assert_allclose(found.design_temperature, exact, atol=0.05)
-    assert found.stiffening["daily_mean_degC"].iloc[0] == lowest.min()
-    rows = found.stiffening.iloc[1:]
+    assert result.winters == count
+    assert_allclose(result.design_temperature, exact, atol=0.05)
+    assert result.stiffening["daily_mean_degC"].iloc[0] == lowest.min()
+    rows = result.stiffening.iloc[1:]
     assert rows["return_period_years"].tolist() == [2.0, 10.0, 50.0]
     assert (np.diff(rows["daily_mean_degC"]) < 0.0).all()
     assert (rows["daily_mean_low_degC"] < rows["daily_mean_degC"]).all()
@@ -417,11 +417,11 @@ def test_consecutive_cold_days() -> None:
     days[101, 14] = 1.0
     days[200] = -7.0
     series = tb.Hourly(np.tile(days.ravel(), 2))
-    found = find_cold(series).cold_days.set_index("limit_degC")
-    assert found.index.tolist() == [0.0, -5.0]
-    assert found.loc[-5.0, ["days_per_year", "run_mean_days"]].tolist() == [4.0, 3.0]
-    assert found.loc[-5.0, ["run_longest_days", "run_all_day_days"]].tolist() == [3, 1]
-    assert np.isnan(found["run_10_years_days"]).all()  # two winters
+    result = find_cold(series).cold_days.set_index("limit_degC")
+    assert result.index.tolist() == [0.0, -5.0]
+    assert result.loc[-5.0, ["days_per_year", "run_mean_days"]].tolist() == [4.0, 3.0]
+    assert result.loc[-5.0, ["run_longest_days", "run_all_day_days"]].tolist() == [3, 1]
+    assert np.isnan(result["run_10_years_days"]).all()  # two winters
     ten = find_cold(tb.Hourly(np.tile(days.ravel(), 10))).cold_days
     assert ten["run_10_years_days"].tolist() == [3.0, 3.0]
 
@@ -431,10 +431,10 @@ def test_a_typical_year_has_one_winter_and_no_return_period() -> None:
     days[:2] = days[-3:] = -12.0  # a cold spell over the turn of the year
     days[331:338] = -12.0  # another one, over the first of December, the coldest month
     year = tb.Hourly(days.ravel(), begins=np.datetime64("2001-01-01T00"), recurs=True)
-    found = find_cold(year)
-    assert (found.winters, found.return_period, found.design_temperature) == (1, None, -12.0)
-    assert found.cold_days["run_longest_days"].tolist() == [7, 7, 7]
-    assert found.cold_days["days_per_year"].tolist() == [12.0] * 3
+    result = find_cold(year)
+    assert (result.winters, result.return_period, result.design_temperature) == (1, None, -12.0)
+    assert result.cold_days["run_longest_days"].tolist() == [7, 7, 7]
+    assert result.cold_days["days_per_year"].tolist() == [12.0] * 3
     with pytest.raises(tb.InputError, match="needs a complete year"):
         find_cold(tb.Hourly(days[:200].ravel(), begins=np.datetime64("2001-01-01T00")))
     with pytest.raises(tb.InputError, match="from 2 to 1000 years"):

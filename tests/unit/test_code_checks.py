@@ -158,16 +158,16 @@ def test_rows_of_aashto(bridge, zone, times, name):
 def test_exceeded_limits_are_warnings(bridge):
     data = bridge.dataset.copy()
     data["bearing_displacement_max"] = 10.0 * data["bearing_displacement_max"]
-    found = tb.check_bearings(tb.EarthquakeResult(data), ["jra", "aashto"])
-    strain = _rows(found, JRA).loc[("23 degC", "Level 2 shear strain")]
-    away = _rows(found, AASHTO).loc["23 degC"].iloc[3]
+    result = tb.check_bearings(tb.EarthquakeResult(data), ["jra", "aashto"])
+    strain = _rows(result, JRA).loc[("23 degC", "Level 2 shear strain")]
+    away = _rows(result, AASHTO).loc["23 degC"].iloc[3]
     assert (strain["verdict"], away["verdict"], away["limit"]) == ("NG", "NG", 0.0)
     assert "; top and bottom no longer overlap" in away["source"]
-    said = [text for text in found.warnings if "the limit is" in text]
-    assert any(text.startswith(JRA) for text in said)
-    again = tb.check_bearings(found, ["jra", "aashto"])
-    assert again.bearing_checks.equals(found.bearing_checks)
-    assert again.warnings == found.warnings
+    output = [text for text in result.warnings if "the limit is" in text]
+    assert any(text.startswith(JRA) for text in output)
+    again = tb.check_bearings(result, ["jra", "aashto"])
+    assert again.bearing_checks.equals(result.bearing_checks)
+    assert again.warnings == result.warnings
 
 
 def _longer():
@@ -224,14 +224,16 @@ def test_without_compression_there_is_no_demand(bridge, axial_force):
 
 
 def test_strains_of_all_tables_are_in_percent(bridge):
-    found = tb.check_bearings(bridge)
-    largest = _rows(found, JRA).xs("Level 2 shear strain", level="what")["value"].max()
-    names = [column.head for column in found.tables()["checks_jra"].columns]
-    rows = {row[0]: dict(zip(names, row, strict=True)) for row in found.tables()["checks_jra"].rows}
+    result = tb.check_bearings(bridge)
+    largest = _rows(result, JRA).xs("Level 2 shear strain", level="what")["value"].max()
+    names = [column.head for column in result.tables()["checks_jra"].columns]
+    rows = {
+        row[0]: dict(zip(names, row, strict=True)) for row in result.tables()["checks_jra"].rows
+    }
     shown = rows["Level 2 shear strain"]
     assert shown["Value"] == pytest.approx(100.0 * largest, rel=1e-12)
     assert (shown["Limit"], shown["Unit"]) == ("≤ 250", "%")
-    (check,) = [one for one in build_pieces(found).checks if "Level 2 shear" in one.what]
+    (check,) = [one for one in build_pieces(result).checks if "Level 2 shear" in one.what]
     assert (check.value, check.limit, check.unit) == (shown["Value"], 250.0, "%")
 
 
@@ -247,12 +249,12 @@ def test_bilinear_bearings_have_a_strain_only():
 
 
 def test_checks_are_in_files_tables_and_documents(bridge, tmp_path):
-    found = tb.check_bearings(bridge, ["jra", "aashto"])
-    place = found.save(tmp_path / "out", figures=False)
+    result = tb.check_bearings(bridge, ["jra", "aashto"])
+    place = result.save(tmp_path / "out", figures=False)
     again = tb.load_result(place)
-    assert again.bearing_checks.equals(found.bearing_checks)
+    assert again.bearing_checks.equals(result.bearing_checks)
     assert {"bearing_checks", "checks_jra", "checks_aashto"} <= set(again.tables())
-    assert len(found.summary()["bearing_checks"]) == len(found.bearing_checks)
+    assert len(result.summary()["bearing_checks"]) == len(result.bearing_checks)
     tb.make_report(place, pdf=False, live=False)
     page = (place / "report.html").read_text(encoding="utf-8")
     assert all(text in page for text in (JRA, AASHTO, "not entered"))
@@ -272,8 +274,8 @@ def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
         "aashto": {"reserve_without_displacement": {"value": 4.0, **ENTERED}},
         "bearing": {"stress": {"value": "3 MPa", **ENTERED}},
     }
-    found = tb.check_bearings(bridge, ["jra", "aashto"], rotation=ROTATION, limits=limits)
-    rows = _rows(found, JRA).loc["23 degC"]
+    result = tb.check_bearings(bridge, ["jra", "aashto"], rotation=ROTATION, limits=limits)
+    rows = _rows(result, JRA).loc["23 degC"]
     strain = rows.loc["Level 2 shear strain"]
     assert (strain["limit"], strain["verdict"], strain["unverified"]) == (0.2, "NG", False)
     assert all(text in strain["source"] for text in ENTERED.values())
@@ -282,24 +284,24 @@ def test_entered_limits_lose_their_star_and_say_who_entered_them(bridge):
     assert (uplift["limit"], uplift["least"]) == (-2.0 * 480.0**2 / 1e3, True)
     assert (uplift["verdict"], uplift["of_model"]) == ("OK", False)
     assert (rows.loc["rotation", "limit"], rows.loc["rotation", "verdict"]) == (0.003, "NG")
-    still = _rows(found, AASHTO).loc["23 degC"].loc["vertical load without displacement"]
+    still = _rows(result, AASHTO).loc["23 degC"].loc["vertical load without displacement"]
     plain = _rows(tb.check_bearings(bridge, "aashto"), AASHTO).loc["23 degC"]
     reserve = plain.loc["vertical load without displacement", "limit"]
     assert 4.0 * still["limit"] == pytest.approx(3.0 * reserve, rel=1e-12)
     (stress,) = {
         (row["limit"], row["verdict"], row["unverified"], row["used"] > 1.0)
-        for row in found.bearing_checks.to_dict("records")
+        for row in result.bearing_checks.to_dict("records")
         if row["what"] == "compressive stress on the gross plan"
     }
     assert stress == (3.0, "NG", False, True)
-    starred = found.bearing_checks.query("unverified and limit == limit")
+    starred = result.bearing_checks.query("unverified and limit == limit")
     assert set(starred.query("code == @JRA")["what"]) == {"Level 1 shear strain"}
     # The edition of a limit that was entered is that of the office.
-    names = {check.limited for check in sheet_checks(found.bearing_checks.to_dict("records"))}
+    names = {check.limited for check in sheet_checks(result.bearing_checks.to_dict("records"))}
     assert f"{AASHTO.partition(' (')[0]}: vertical load without displacement" in names
     assert f"{JRA}: Level 1 shear strain" in names
-    again = tb.check_bearings(found, ["jra", "aashto"], rotation=ROTATION)
-    assert again.bearing_checks.equals(found.bearing_checks)  # the case holds the limits
+    again = tb.check_bearings(result, ["jra", "aashto"], rotation=ROTATION)
+    assert again.bearing_checks.equals(result.bearing_checks)  # the case holds the limits
 
 
 def test_uplift_without_a_limit_is_the_smallest_stress_of_the_bearings() -> None:
@@ -309,31 +311,31 @@ def test_uplift_without_a_limit_is_the_smallest_stress_of_the_bearings() -> None
     lines = [{"line": first, "axial_force": "200 kN"}]
     given = {"duration": 1, "structure": structure, "lines": lines, "axial_force": LOAD}
     given["components"] = 1
-    found = tb.check_bearings(tb.bridge(BEARING, NAMES[0], 23, **given), "aashto")
+    result = tb.check_bearings(tb.bridge(BEARING, NAMES[0], 23, **given), "aashto")
     area = tb.load_bearing(BEARING).geometry.plan.area
-    rows = found.bearing_checks.query("what == 'uplift: axial force'")
+    rows = result.bearing_checks.query("what == 'uplift: axial force'")
     values = dict(zip(rows["part"], rows["value"], strict=True))
     assert values == pytest.approx({first: 1e3 * 200.0 / area, second: 1e3 * LOAD / area})
     assert set(rows["unit"]) == {"MPa"}
-    note = found.tables()["checks_aashto"].note
+    note = result.tables()["checks_aashto"].note
     assert f"uplift: axial force (smallest {1e3 * 200.0 / area:.3g} MPa)" in note
 
 
 def test_an_entered_ductility_replaces_first_yield_in_the_report(bridge):
     dataset = bridge.dataset.assign(pier_ductility=2.4 + 0.0 * bridge.dataset["pier_ductility"])
-    found = []
+    result = []
     for value in (2.0, 3.0):
         limits = {"pier": {"ductility": {"value": value, **ENTERED}}}
         checked = tb.check_bearings(EarthquakeResult(dataset), [], limits=limits)
-        found += [check for check in build_pieces(checked).checks if "ductility" in check.what]
-    assert [(check.limit, check.verdict) for check in found] == [(2.0, EXCEEDED), (3.0, PASSED)]
-    assert all(text in found[0].source for text in ENTERED.values())
+        result += [check for check in build_pieces(checked).checks if "ductility" in check.what]
+    assert [(check.limit, check.verdict) for check in result] == [(2.0, EXCEEDED), (3.0, PASSED)]
+    assert all(text in result[0].source for text in ENTERED.values())
 
 
 def test_without_stars_no_warning_on_the_published_text(bridge):
     known = {name: {"value": "200 %", **ENTERED} for name in ("level_1_shear_strain", STRAIN_2)}
-    found = tb.check_bearings(bridge, limits={"jra": known})
-    assert not any("published text" in text for text in found.warnings)
+    result = tb.check_bearings(bridge, limits={"jra": known})
+    assert not any("published text" in text for text in result.warnings)
     unread = tb.check_bearings(bridge, limits={"jra": {STRAIN_2: known[STRAIN_2]}})
     assert any("published text" in text for text in unread.warnings)
 
@@ -400,14 +402,14 @@ def test_commands_write_check_and_use_limits(tmp_path):
     assert _run("check", file).exit_code == 0
     written = ("--limits", file, "--no-figures", "-o", target)
     assert _run("bridge", *analysis, *written).exit_code == 0
-    found = tb.load_result(target)
-    assert set(found.bearing_checks["code"]) == {JRA}
-    assert 2.22 in found.bearing_checks["limit"].tolist()
+    result = tb.load_result(target)
+    assert set(result.bearing_checks["code"]) == {JRA}
+    assert 2.22 in result.bearing_checks["limit"].tolist()
     case = target / "case.resolved.toml"
-    assert tb.check_bearings(found).bearing_checks.equals(found.bearing_checks)
+    assert tb.check_bearings(result).bearing_checks.equals(result.bearing_checks)
     again = ("bridge", case, "--no-figures", "-o", tmp_path / "again")
     assert _run(*again).exit_code == 0  # the case states the limits
-    assert tb.load_result(tmp_path / "again").bearing_checks.equals(found.bearing_checks)
+    assert tb.load_result(tmp_path / "again").bearing_checks.equals(result.bearing_checks)
 
 
 def test_a_file_without_limits_of_a_code_is_enough(tmp_path):
@@ -467,12 +469,12 @@ def test_the_command_refuses_before_the_analysis(tmp_path):
 def test_an_early_end_leaves_out_the_codes_and_names_its_cause():
     strong = {"name": "jra-ii-i-1", "factor": 15}
     given = {"duration": 8, "dt": 0.01, "axial_force": LOAD}
-    found = tb.check_bearings(tb.bridge(BEARING, strong, 23, **given), ["jra", "aashto"])
-    assert found.outcome == "not_physical"
-    assert set(found.bearing_checks["code"]) == {""}
-    unchecked = [text for text in found.warnings if "not checked, because" in text]
+    result = tb.check_bearings(tb.bridge(BEARING, strong, 23, **given), ["jra", "aashto"])
+    assert result.outcome == "not_physical"
+    assert set(result.bearing_checks["code"]) == {""}
+    unchecked = [text for text in result.warnings if "not checked, because" in text]
     assert [text.split(":")[0] for text in unchecked] == [JRA, AASHTO]
     assert all("not_physical" in text for text in unchecked)
-    largest = found.table["bearing_strain_max"].max()
+    largest = result.table["bearing_strain_max"].max()
     assert largest > 5.0
-    assert f"strained to {100 * largest:.0f} % ({found.run_names[0]})" in found.sentence
+    assert f"strained to {100 * largest:.0f} % ({result.run_names[0]})" in result.sentence

@@ -184,8 +184,8 @@ def test_a_bearing_is_its_compound(tmp_path: Path) -> None:
 def test_the_jra_compounds_meet_their_curves(kind: Any, grade: str) -> None:
     """As well as their files say; python -m benchmarks.jra_compounds looks at more strains."""
     name = f"jra-{kind}-{grade}".lower()
-    said = tb.load_compound(name).sources["rubber.shear_modulus"]
-    stiffness, damping = (float(word) / 100 for word in re.findall(r"within (\d+) %", said))
+    output = tb.load_compound(name).sources["rubber.shear_modulus"]
+    stiffness, damping = (float(word) / 100 for word in re.findall(r"within (\d+) %", output))
     bearing = tb.new_bearing(name, name, plan="500x500mm", layers="6x15mm", shim="3mm")
     curve = load_rubber(grade, kind)
     off = []
@@ -337,7 +337,7 @@ def test_new_lists_thermal_constants_that_nobody_measured(tmp_path: Path) -> Non
     words += ["-o", str(tmp_path / "pier.toml"), "--json"]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
-    said = json.loads(done.stdout.splitlines()[-1])["not_measured"]
-    assert {key for key in said if key.startswith("materials.")} == {*keys} - {measured}
-    assert said["materials.rubber.density"] == "compound shen-hdr; Table 4.1"
+    output = json.loads(done.stdout.splitlines()[-1])["not_measured"]
+    assert {key for key in output if key.startswith("materials.")} == {*keys} - {measured}
+    assert output["materials.rubber.density"] == "compound shen-hdr; Table 4.1"
     assert "materials.rubber.specific_heat, density, materials.steel.conductivity" in done.stdout

@@ -252,6 +252,6 @@ def test_intake_command_writes_the_finding(tmp_path: Path) -> None:
     file = write_test(tmp_path, 'conditioned = "6 h"\n')
     command("intake", str(file), "--bearing", "lrb-example", "-o", str(tmp_path / "in"), "-q")
     summary = json.loads((tmp_path / "in" / "summary.json").read_text())
-    (found,) = summary["files"]
-    assert "conditioning" in [item["check"] for item in found["findings"]]
-    assert found["sidecar"]["conditioned"] == "6 h"
+    (result,) = summary["files"]
+    assert "conditioning" in [item["check"] for item in result["findings"]]
+    assert result["sidecar"]["conditioned"] == "6 h"

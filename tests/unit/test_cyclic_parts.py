@@ -46,10 +46,10 @@ def test_coarse_steps_are_reported_where_a_layer_moves_by_its_yield_displacement
     case = make_case({}, "test", bearing=HDR)
     far = sign * part * LAYERS * YIELD
     for segments in ([moved([far])], [moved([0.2 * far]), moved([0.1 * far, 1.1 * far])]):
-        said = _collect_warnings(case, segments, [COLD])
-        assert len(said) == int(reported)
+        output = _collect_warnings(case, segments, [COLD])
+        assert len(output) == int(reported)
         if reported:
-            assert f"up to {part * YIELD:.2g} mm" in said[0]
+            assert f"up to {part * YIELD:.2g} mm" in output[0]
 
 
 def test_a_series_given_in_python_gives_a_warning() -> None:
@@ -73,10 +73,10 @@ def earlier() -> Any:
 
 @pytest.mark.parametrize("air", [-20.0, 5.0, 23.0])
 def test_restart_is_from_the_run_at_the_same_temperature(air: float) -> None:
-    found = final_state(earlier(), [air])
-    assert_allclose(found.temperature, air + np.array([0.5, 1.0, 1.5]))
-    assert found.lead_temperature == air + 40.0
-    assert not found.complete
+    result = final_state(earlier(), [air])
+    assert_allclose(result.temperature, air + np.array([0.5, 1.0, 1.5]))
+    assert result.lead_temperature == air + 40.0
+    assert not result.complete
 
 
 def test_restart_from_an_only_run_and_from_none() -> None:
@@ -137,8 +137,8 @@ def test_chunks_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(history, "CHUNK", 7)
     again = short_run()
     for name in ("force", "heat_lost_ends", "heat_stored"):
-        found, wanted = again.rows.response[name], whole.rows.response[name]
-        assert_allclose(found, wanted, rtol=tol.PROTOCOL, atol=tol.PROTOCOL)
+        result, wanted = again.rows.response[name], whole.rows.response[name]
+        assert_allclose(result, wanted, rtol=tol.PROTOCOL, atol=tol.PROTOCOL)
 
 
 def test_a_run_that_was_cut_off_keeps_where_it_stood(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -244,13 +244,13 @@ def test_a_recording_starts_where_the_bearing_is(first: float, tmp_path: Path) -
 
 def test_backbone_is_the_slim_one_of_two() -> None:
     """Two loops have the stiffness and the damping; the other has nearly all of K_B in Q_d."""
-    found = solve_backbone(2.0, 0.15, 100.0, 1.0 / 6.5)
-    assert found is not None
-    assert found.strength + found.post_yield * 100.0 == pytest.approx(200.0)
-    yielding = found.strength / (found.initial - found.post_yield)
-    area = 4.0 * found.strength * (100.0 - yielding)
+    result = solve_backbone(2.0, 0.15, 100.0, 1.0 / 6.5)
+    assert result is not None
+    assert result.strength + result.post_yield * 100.0 == pytest.approx(200.0)
+    yielding = result.strength / (result.initial - result.post_yield)
+    area = 4.0 * result.strength * (100.0 - yielding)
     assert area == pytest.approx(2.0 * math.pi * 0.15 * 2.0 * 100.0**2)
-    assert found.strength < 100.0
+    assert result.strength < 100.0
 
 
 def test_labels_are_made_when_they_are_first_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:

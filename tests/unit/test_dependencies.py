@@ -39,14 +39,14 @@ def declared(texts: list[str]) -> set[str]:
 
 
 def imported() -> set[str]:
-    found = set()
+    result = set()
     for path in (ROOT / "src").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
-                found |= {alias.name.split(".")[0] for alias in node.names}
+                result |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                found.add(node.module.split(".")[0])
-    return found - set(sys.stdlib_module_names) - {"thermobearing"}
+                result.add(node.module.split(".")[0])
+    return result - set(sys.stdlib_module_names) - {"thermobearing"}
 
 
 def test_what_is_imported_is_declared() -> None:
@@ -88,9 +88,9 @@ def test_every_dependency_has_an_upper_bound() -> None:
     ],
 )
 def test_every_file_states_the_same_version(name: str, pattern: str) -> None:
-    found = re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
-    assert found
-    assert found[1] == PROJECT["version"] == thermobearing.__version__
+    result = re.search(pattern, (ROOT / name).read_text(encoding="utf-8"), re.MULTILINE)
+    assert result
+    assert result[1] == PROJECT["version"] == thermobearing.__version__
 
 
 def test_the_recipe_has_the_same_dependencies() -> None:

@@ -31,7 +31,7 @@ def make_case(**table: Any) -> Any:
 def analysed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Cases of the dynamic analyses of a loop; each finds 250 mm in the second motion."""
     asked: list[Any] = []
-    found = {
+    result = {
         "bearing_displacement_max": np.array([90.0, 250.0]),
         "pier_ductility": np.array([2.5, 1.2]),
     }
@@ -45,7 +45,7 @@ def analysed(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     def analyse(case: Any) -> Study:
         asked.append(case)
-        return Study(found)
+        return Study(result)
 
     monkeypatch.setattr(run, "run_earthquake", analyse)
     return asked
@@ -67,23 +67,23 @@ def test_one_turn_of_the_loop(
     turn = run._one_turn(
         make_case(effective_displacement_factor=factor, sizing=rules), 3, [assumed]
     )
-    (found,), size = turn.rounds, turn.rounds[0].size
+    (result,), size = turn.rounds, turn.rounds[0].size
     thickness = size.total_rubber_thickness
     wanted = sizing.equivalent_stiffness(G8, size.area, thickness, effective)
-    assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
-    assert found.damping == pytest.approx(
+    assert result.stiffness == pytest.approx(wanted, rel=tol.LOOP)
+    assert result.damping == pytest.approx(
         sizing.damping_ratio(G8, effective / thickness), rel=tol.LOOP
     )
-    peak = found.strength + found.post_yield * effective
+    peak = result.strength + result.post_yield * effective
     assert peak == pytest.approx(wanted * effective, rel=tol.LOOP)
-    assert found.post_yield / found.initial == pytest.approx(0.19, rel=tol.LOOP)
-    assert (found.number, found.assumed, found.found) == (3, assumed, 250.0)
-    assert found.ductility == 2.5
-    assert found.difference == pytest.approx(250.0 / assumed - 1.0)
+    assert result.post_yield / result.initial == pytest.approx(0.19, rel=tol.LOOP)
+    assert (result.number, result.assumed, result.found) == (3, assumed, 250.0)
+    assert result.ductility == 2.5
+    assert result.difference == pytest.approx(250.0 / assumed - 1.0)
     # Eigenvalues and damping of the structure follow the stiffness of the bearing.
-    assert analysed[0].structure.bearings[0].equivalent_stiffness == found.stiffness
-    assert analysed[0].bearings[0].strength == found.strength
-    assert analysed[0].bearings[0].initial_stiffness == found.initial
+    assert analysed[0].structure.bearings[0].equivalent_stiffness == result.stiffness
+    assert analysed[0].bearings[0].strength == result.strength
+    assert analysed[0].bearings[0].initial_stiffness == result.initial
     assert turn.checks[0].value == pytest.approx(250.0 / thickness)
 
 
@@ -93,9 +93,9 @@ def test_strain_beyond_the_curves_is_held_at_their_end(
     """Sizes keep the design strain, so only other curves can be left at their upper end."""
     curves = sizing.load_curves().model_copy(update={"largest_strain": 1.0})
     monkeypatch.setattr(sizing, "load_curves", lambda: curves)
-    found = run._one_turn(make_case(), 1, [178.0]).rounds[0]
-    wanted = sizing.equivalent_stiffness(G8, found.size.area, 112.0, 112.0)
-    assert found.stiffness == pytest.approx(wanted, rel=tol.LOOP)
+    result = run._one_turn(make_case(), 1, [178.0]).rounds[0]
+    wanted = sizing.equivalent_stiffness(G8, result.size.area, 112.0, 112.0)
+    assert result.stiffness == pytest.approx(wanted, rel=tol.LOOP)
 
 
 def turns(monkeypatch: pytest.MonkeyPatch, answer: Any) -> None:
@@ -164,8 +164,8 @@ def coupled(monkeypatch: pytest.MonkeyPatch, answer: Any) -> Any:
 
     def turn(case: Any, number: int, assumed: list[float]) -> Any:
         rounds = [
-            replace(sized(number, u, found, layers), group=group)
-            for group, u, (found, layers) in zip("ab", assumed, answer(*assumed), strict=True)
+            replace(sized(number, u, result, layers), group=group)
+            for group, u, (result, layers) in zip("ab", assumed, answer(*assumed), strict=True)
         ]
         study = SimpleNamespace(outcome="completed")
         return SimpleNamespace(rounds=rounds, checks=[], bearings=[], study=study)
@@ -214,8 +214,8 @@ def test_a_group_that_alternates_is_held_and_the_other_goes_on(
 
 def test_a_held_size_that_becomes_too_small_is_searched_again() -> None:
     search = sizing.Search(200.0)
-    for assumed, found, layers in ((249.0, 300.0, 8), (251.0, 200.0, 9)):
-        search.advance(sized(1, assumed, found, layers), 0.01)
+    for assumed, result, layers in ((249.0, 300.0, 8), (251.0, 200.0, 9)):
+        search.advance(sized(1, assumed, result, layers), 0.01)
     assert search.alternating is not None
     assert search.assumed == 251.0
     assert search.settled(sized(2, 251.0, 200.0, 9), 0.01)
@@ -322,8 +322,8 @@ def test_layers_and_sides_of_equal_bearings(
         return SimpleNamespace(stiffness_kN_mm=0.01 * side, h_eq=0.1)
 
     monkeypatch.setattr(equal, "isothermal_cycle", cycle)
-    found = equal.equal_bearing("shen-hdr-bridge", stiffness, displacement).bearing
-    assert (found.area**0.5, found.geometry.rubber_layers) == (side, layers)
+    result = equal.equal_bearing("shen-hdr-bridge", stiffness, displacement).bearing
+    assert (result.area**0.5, result.geometry.rubber_layers) == (side, layers)
 
 
 def factor_table() -> pd.DataFrame:
@@ -347,8 +347,8 @@ def factor_table() -> pd.DataFrame:
 
 def test_bounds_are_the_softest_and_stiffest_of_single_cycles() -> None:
     models = bound_models(factor_table(), 1.75, 102.0)
-    found = models[["bound", "basis", "ambient_degC"]].to_numpy().tolist()
-    assert found == [["lower", "heated", 23.0], ["upper", "first", -20.0]]
+    result = models[["bound", "basis", "ambient_degC"]].to_numpy().tolist()
+    assert result == [["lower", "heated", 23.0], ["upper", "first", -20.0]]
     u = 1.75 * 102.0
     for row, stiffness in zip(models.to_dict("records"), (1.8, 5.0), strict=True):
         strength, initial, post_yield = (row[k] for k in ("Q_d_kN", "K_1_kN_mm", "K_2_kN_mm"))

@@ -54,12 +54,12 @@ def test_lines_of_one_count_and_support_are_a_group() -> None:
     assert_allclose(bearing_weight(make_design_case({}, "test")), 400.0 * 9.80665 / 5.0)
     loads = [bearing_weight(case, group) for group in groups]
     assert_allclose(loads, [500.0, *2 * [400.0 * 9.80665 / 12]])
-    for given, said in (
+    for given, output in (
         ([LineGroup(lines=["rigth"])], r'no bearing line is called "rigth"; .*"right"\?'),
         ([LineGroup(lines=["left", "left"])], '"left" is given more than once'),
         ([LineGroup(lines=["on A"], name="left, right")], 'two are called "left, right"'),
     ):
-        with pytest.raises(tb.InputError, match=said):
+        with pytest.raises(tb.InputError, match=output):
             _settle_groups(given, viaduct, "test")
     for group, key in (({"lines": []}, "lines"), ({"lines": ["on A"], "name": "a\nb"}, "name")):
         with pytest.raises(tb.InputError, match=rf"line_groups\[0\]\.{key}"):
@@ -218,15 +218,15 @@ def test_period_from_a_speed_is_that_of_each_strain(monkeypatch: pytest.MonkeyPa
 
     def table(bearings: Any, *, strains: list[float], period: float, **_: Any) -> pd.DataFrame:
         asked.append(period)
-        found = pd.DataFrame({"strain": strains, "ambient_degC": 23.0})
-        found.attrs = {"tested_range": [], "lead_rises": []}
-        return found
+        result = pd.DataFrame({"strain": strains, "ambient_degC": 23.0})
+        result.attrs = {"tested_range": [], "lead_rises": []}
+        return result
 
     monkeypatch.setattr(factors, "temperature_factors", table)
     bearing = tb.load_bearing("shen-hdr-bridge")
-    found = factors.factors_at_speed([bearing], speed=51.0, strains=[1.0, 1.75])
+    result = factors.factors_at_speed([bearing], speed=51.0, strains=[1.0, 1.75])
     assert_allclose(asked, [8.0, 14.0])
-    assert found["strain"].tolist() == [1.0, 1.75]
+    assert result["strain"].tolist() == [1.0, 1.75]
 
 
 def test_study_of_sizes_reads_its_histories_at_the_right_times(

@@ -64,7 +64,7 @@ def test_errors_are_those_of_the_same_run(results: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("found", "lower"),
+    ("result", "lower"),
     [
         ([0.0, 1.0, 2.0], True),
         ([0.0, 0.5, 4.0], False),  # in the mean only
@@ -72,9 +72,9 @@ def test_errors_are_those_of_the_same_run(results: Any) -> None:
         ([0.0, 2.5, 4.0], False),
     ],
 )
-def test_underestimated(found: list[float], lower: bool) -> None:
+def test_underestimated(result: list[float], lower: bool) -> None:
     expected = np.array([0.0, 2.0, 3.0])
-    assert _underestimates(np.array(found) + 20.0, expected + 20.0) == lower
+    assert _underestimates(np.array(result) + 20.0, expected + 20.0) == lower
 
 
 @pytest.mark.parametrize(

@@ -77,8 +77,8 @@ def test_motion_along_the_bridge_alone_is_the_one_directional_analysis() -> None
 
 
 def test_motion_at_45_degrees_is_the_same_in_both_directions() -> None:
-    found = shaken({"name": "jra-ii-i-1", "angle": "45 deg"}, components=2)
-    x, y, resultant = (found.sel(direction=way).table for way in ("x", "y", "resultant"))
+    result = shaken({"name": "jra-ii-i-1", "angle": "45 deg"}, components=2)
+    x, y, resultant = (result.sel(direction=way).table for way in ("x", "y", "resultant"))
     for name in ("bearing_strain_max", "bearing_force_max_kN", "pier_displacement_max_mm"):
         assert_allclose(x[name], y[name], rtol=tol.PLANE_TURNED)
         assert_allclose(resultant[name], np.sqrt(2.0) * x[name], rtol=tol.PLANE_TURNED)
@@ -142,9 +142,9 @@ def test_results_in_plan_are_saved_and_loaded(compared: EarthquakeResult, tmp_pa
 
 def test_lines_in_plan_have_their_own_temperatures() -> None:
     sun = [{"line": "on pier 2", "ambient": "40 degC"}]
-    found = shaken(PAIR, lines=sun, duration=3.0).lines.set_index("line")
-    assert found["line_ambient_degC"].to_dict() == {"on pier 1": 23.0, "on pier 2": 40.0}
-    assert found["force_max_kN"]["on pier 2"] < found["force_max_kN"]["on pier 1"]
+    result = shaken(PAIR, lines=sun, duration=3.0).lines.set_index("line")
+    assert result["line_ambient_degC"].to_dict() == {"on pier 1": 23.0, "on pier 2": 40.0}
+    assert result["force_max_kN"]["on pier 2"] < result["force_max_kN"]["on pier 1"]
 
 
 @pytest.mark.parametrize(
@@ -164,9 +164,9 @@ def test_what_does_not_go_with_two_components(change: dict[str, Any], key: str) 
 
 def test_each_direction_alone_has_its_periods() -> None:
     """The arm of the bearings across the bridge makes the pier softer there."""
-    found = shaken(PAIR, structure=two_piers(height_across="14 m"), components=1, duration=0.5)
-    x, y = (found.sel(direction=way).dataset.attrs["periods_s"] for way in ("x", "y"))
-    assert found.dataset.attrs["periods_s"] == x
+    result = shaken(PAIR, structure=two_piers(height_across="14 m"), components=1, duration=0.5)
+    x, y = (result.sel(direction=way).dataset.attrs["periods_s"] for way in ("x", "y"))
+    assert result.dataset.attrs["periods_s"] == x
     assert y[0] > 1.01 * x[0]
 
 
@@ -210,12 +210,14 @@ def test_a_deck_on_the_ground_has_no_pier(tmp_path: Path) -> None:
         "bearings": [{"name": "W", "x": "-9 m"} | line, {"name": "E", "x": "9 m"} | line],
         "report": {"deck": "deck"},
     }
-    found = shaken(PAIR, structure=validated(Structure, table, "test"), components=2, duration=1)
-    assert not len(found.piers)
-    assert not [one for one in found.table if one.endswith("_pier")]
-    assert found.table.filter(regex="^pier_").isna().all(axis=None)
-    assert not [text for one in found.tables().values() for text in one.texts() if "ground" in text]
-    figures = found.plot.draw_all()
+    result = shaken(PAIR, structure=validated(Structure, table, "test"), components=2, duration=1)
+    assert not len(result.piers)
+    assert not [one for one in result.table if one.endswith("_pier")]
+    assert result.table.filter(regex="^pier_").isna().all(axis=None)
+    assert not [
+        text for one in result.tables().values() for text in one.texts() if "ground" in text
+    ]
+    figures = result.plot.draw_all()
     assert not [name for name in figures if name.startswith("pier")]
     assert [ax.get_ylabel() for ax in figures["parts"]().axes if ax.get_visible()] == [
         "bearing strain [%]",

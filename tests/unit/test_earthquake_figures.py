@@ -56,8 +56,8 @@ def test_histories_show_the_strong_part_with_peaks(study: Any, name: str) -> Non
     }[name]
     marks = [line for line in figure.axes[0].get_lines() if line.get_marker() == "o"]
     reported = study.dataset[f"{variable}_max"].values[:2]
-    found = sorted(abs(float(mark.get_ydata()[0])) for mark in marks)
-    assert_allclose(found, sorted(factor * reported), rtol=tol.HISTORY_DIGITS)
+    result = sorted(abs(float(mark.get_ydata()[0])) for mark in marks)
+    assert_allclose(result, sorted(factor * reported), rtol=tol.HISTORY_DIGITS)
     assert all(first[0] < mark.get_xdata()[0] < first[1] for mark in marks)
     cold_to_warm = [f"{factor * value:.3g}" for value in reported[::-1]]
     assert [text for text in texts(figure.axes[0]) if text in cold_to_warm] == cold_to_warm[::-1]

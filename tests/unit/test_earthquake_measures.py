@@ -82,15 +82,15 @@ def test_largest_loop_of_a_run_is_that_of_its_history(study: Any) -> None:
     assert list(loops["bearing"]) == ["shen-lhdr-bridge", "shen-bilinear-bridge"]
     frame, row = study.history(0), loops.iloc[0]
     bearing = tb.load_bearing("shen-lhdr-bridge")
-    found = largest_loop(
+    result = largest_loop(
         frame["displacement_mm"].to_numpy(),
         frame["force_kN"].to_numpy(),
         frame["energy_kN_mm"].to_numpy(),
         area=bearing.area,
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
-    assert found is not None
-    m = found.measures
+    assert result is not None
+    m = result.measures
     pairs = {
         "F_plus_kN": m.force_max_kN,
         "F_minus_kN": m.force_min_kN,
@@ -100,8 +100,8 @@ def test_largest_loop_of_a_run_is_that_of_its_history(study: Any) -> None:
         "h_eq": m.h_eq,
         "G_e_MPa": m.G_eq_MPa,
         "energy_kN_mm": m.energy_kN_mm,
-        "start_s": frame["time_s"][found.first],
-        "end_s": frame["time_s"][found.last],
+        "start_s": frame["time_s"][result.first],
+        "end_s": frame["time_s"][result.last],
     }
     for name, value in pairs.items():
         assert row[name] == pytest.approx(value, rel=tol.HISTORY_DIGITS), name

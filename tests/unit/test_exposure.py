@@ -39,17 +39,17 @@ def test_factors_on_the_constants_of_the_step(name: str, way: str) -> None:
     plain = build_model(tb.load_bearing(name)).constants
     bearing = with_table(name) if way == "table" else tb.load_bearing(name)
     options = ModelOptions(exposure=Exposure(**FACTORS) if way == "option" else None)
-    found = build_model(bearing, options).constants
+    result = build_model(bearing, options).constants
     wanted = {"elastic_stiffness": 1.3, "hysteretic_stiffness": 1.7}
     for key in Rubber.__annotations__:
-        was, now = (getattr(item.rubber, key) for item in (plain, found))
+        was, now = (getattr(item.rubber, key) for item in (plain, result))
         assert now == pytest.approx(wanted.get(key, 1.0) * was, rel=tol.ROUNDING), key
     lead = {"strength": 1.7, "stiffness": 1.7} if plain.lead.cores else {}
     for key in type(plain.lead)._fields:
-        was, now = (getattr(item.lead, key) for item in (plain, found))
+        was, now = (getattr(item.lead, key) for item in (plain, result))
         assert now == pytest.approx(lead.get(key, 1.0) * was, rel=tol.ROUNDING), key
-    assert found.viscous == plain.viscous
-    for part, other in zip(plain.cells, found.cells, strict=True):
+    assert result.viscous == plain.viscous
+    for part, other in zip(plain.cells, result.cells, strict=True):
         assert np.array_equal(part, other)
 
 
@@ -97,8 +97,8 @@ def test_a_cyclic_test_has_them_once_and_says_so(name: str) -> None:
     ):
         assert np.array_equal(result["force"].values, by_hand["force"].values)
         assert result.summary()["exposure"] == {name: FACTORS}
-        said = f"{name}: exposure: stiffness times 1.3 and strength times 1.7 (an example)"
-        assert result.summary()["warnings"][0] == said
+        output = f"{name}: exposure: stiffness times 1.3 and strength times 1.7 (an example)"
+        assert result.summary()["warnings"][0] == output
     plain = tb.run(name, TEST, -10)
     assert not np.allclose(plain["force"].values, by_hand["force"].values)
 

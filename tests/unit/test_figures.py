@@ -188,14 +188,14 @@ def test_layers_are_drawn_at_their_last_peak() -> None:
     """Half the layers make half of the displacement; the outer one, the coldest, the least."""
     test = tb.cyclic_test(strain=[0.5, 2.0], cycles=2, rest=None, dt=0.02)
     keep = ["rubber", "layer_displacement"]
-    found = tb.run("shen-hdr-specimen", test, [-20.0, 23.0], keep=keep)
-    figure = found.plot.layer_shear()
+    actual = tb.run("shen-hdr-specimen", test, [-20.0, 23.0], keep=keep)
+    figure = actual.plot.layer_shear()
     lines = [line for line in figure.axes[0].get_lines() if len(line.get_xdata()) == 3]
     small, large = (np.asarray(line.get_xdata()) for line in lines[:2])
     assert_allclose([small.sum(), large.sum()], [7.5, 30.0], rtol=1e-6)
     assert large[0] < min(large[1:])
-    peaks = np.flatnonzero(np.abs(found["displacement"].values[0]) > 60.0 - 1e-6)
-    layers = np.abs(found["layer_displacement"].values[0])
+    peaks = np.flatnonzero(np.abs(actual["displacement"].values[0]) > 60.0 - 1e-6)
+    layers = np.abs(actual["layer_displacement"].values[0])
     assert_allclose(large, layers[peaks[-1]])
     assert np.abs(large - layers[peaks[0]]).max() > 0.01
     # 25 mm of end plate, 5 mm layers, 3.2 mm shims.
@@ -442,15 +442,15 @@ def overlaps(figure: Figure) -> list[tuple[str, str]]:
                     hidden |= {tick.label1, tick.label2}
     texts = [t for t in figure.findobj(Text) if t.get_visible() and t.get_text().strip()]
     shown = [(t.get_text(), t.get_window_extent()) for t in texts if t not in hidden]
-    found = []
+    actual = []
     for number, (text, box) in enumerate(shown):
         if not (box.x0 > -1.0 and box.x1 < figure.bbox.x1 + 1.0 and box.y0 > -1.0):
-            found.append((text, "edge of the figure"))
+            actual.append((text, "edge of the figure"))
         for other, taken in shown[:number]:
             wide = min(box.x1, taken.x1) - max(box.x0, taken.x0)
             if wide > 1.0 and min(box.y1, taken.y1) - max(box.y0, taken.y0) > 1.5:
-                found.append((text, other))
-    return found
+                actual.append((text, other))
+    return actual
 
 
 WIDTHS = ["single-column", pytest.param("double-column", marks=pytest.mark.thorough)]

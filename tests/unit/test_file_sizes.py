@@ -48,8 +48,8 @@ def test_history_has_the_digits_that_count(result: tb.Result, tmp_path: Path) ->
         assert_allclose(table[column], result[name].values.ravel(), rtol=tol.SEVEN_DIGITS)
     layers = result["rubber_temperature"].values
     for layer in range(layers.shape[2]):
-        found = table[f"rubber{layer + 1}_degC"]
-        assert_allclose(found, layers[:, :, layer].ravel(), rtol=tol.SEVEN_DIGITS)
+        actual = table[f"rubber{layer + 1}_degC"]
+        assert_allclose(actual, layers[:, :, layer].ravel(), rtol=tol.SEVEN_DIGITS)
 
 
 @pytest.mark.parametrize("name", quick_cases(["loops", "layer_temperatures"], 0))

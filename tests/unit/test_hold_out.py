@@ -54,29 +54,29 @@ def folded(good: list[TestRecord], faulty: TestRecord) -> CrossValidation:
 def test_a_fault_shows_when_its_test_is_held_out(
     good: list[TestRecord], faulty: TestRecord
 ) -> None:
-    found = cross_validate(good[:3], HDR, hold_out=[good[3], faulty], **FIT)
-    assert [item.record for item in found.fitted.comparisons] == good[:3]
-    assert [item.record for item in found.held_out.comparisons] == [good[3], faulty]
-    assert (found.folds, found.spread) == ([], {})
-    rows = found.table.set_index("test")
+    result = cross_validate(good[:3], HDR, hold_out=[good[3], faulty], **FIT)
+    assert [item.record for item in result.fitted.comparisons] == good[:3]
+    assert [item.record for item in result.held_out.comparisons] == [good[3], faulty]
+    assert (result.folds, result.spread) == ([], {})
+    rows = result.table.set_index("test")
     assert rows["role"].tolist() == ["fitted"] * 3 + ["held out"] * 2
     assert rows["K_eq_verdict"].tolist() == [WITHIN] * 4 + [BEYOND]
     assert rows["K_eq_error"]["fault"] == pytest.approx(1.0 / FAULT - 1.0, abs=0.01)
     assert rows["K_eq_ratio"]["fault"] == pytest.approx(1.0 / FAULT, abs=0.01)
     assert rows["R2"]["at23"] > 0.999
-    assert (found.verdict, found.fitted.verdict) == (BEYOND, WITHIN)
+    assert (result.verdict, result.fitted.verdict) == (BEYOND, WITHIN)
     looser = cross_validate(good[:3], HDR, hold_out=faulty, limits={"K_eq": 0.3}, **FIT)
     assert looser.verdict == WITHIN
 
 
 def test_it_is_the_validation_of_the_fitted_bearing(good: list[TestRecord]) -> None:
     """One judge: the same numbers as `validate` with the bearing of the same fit."""
-    found = cross_validate(good[:2], HDR, hold_out=good[2], **FIT)
+    result = cross_validate(good[:2], HDR, hold_out=good[2], **FIT)
     fit = tb.identify_bearing(good[:2], HDR, **FIT)
     again = tb.validate_bearing(fit.bearing, good[2])
-    assert found.final.values == fit.values
-    pd.testing.assert_frame_equal(found.held_out.table, again.table)
-    assert found.held_out.limits == again.limits
+    assert result.final.values == fit.values
+    pd.testing.assert_frame_equal(result.held_out.table, again.table)
+    assert result.held_out.limits == again.limits
 
 
 def test_every_test_is_held_out_once(
@@ -119,9 +119,9 @@ def test_parameters_by_fold(folded: CrossValidation) -> None:
 def test_groups_have_every_temperature() -> None:
     one = made(-20.0, "one")
     tests = [replace(one, ambient=at, name=f"{at:g}") for at in (23.0, -20.0, 22.0, -19.0)]
-    found = cross_validate(tests, HDR, folds=2, free=["K_r"], starts=1, limits={"K_eq": 10.0})
-    assert [[r.ambient for r in group] for group in found.groups] == [[-20.0, 22.0], [23.0, -19.0]]
-    assert [r.ambient for r in found.folds[0].records] == [23.0, -19.0]
+    result = cross_validate(tests, HDR, folds=2, free=["K_r"], starts=1, limits={"K_eq": 10.0})
+    assert [[r.ambient for r in group] for group in result.groups] == [[-20.0, 22.0], [23.0, -19.0]]
+    assert [r.ambient for r in result.folds[0].records] == [23.0, -19.0]
 
 
 def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> None:
@@ -133,7 +133,7 @@ def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> 
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({}, "hold out"),
         ({"folds": 2, "hold_out": "first"}, "folds"),
@@ -144,10 +144,10 @@ def test_one_test_given_twice_is_one(tmp_path: Path, good: list[TestRecord]) -> 
         ({"hold_out": "nobody.csv"}, "nobody.csv"),
     ],
 )
-def test_what_cannot_be(good: list[TestRecord], options: dict[str, Any], said: str) -> None:
+def test_what_cannot_be(good: list[TestRecord], options: dict[str, Any], message: str) -> None:
     known = {"first": good[:1], "all": good[:3]}
     held = options.get("hold_out", ())
-    with pytest.raises(tb.InputError, match=said):
+    with pytest.raises(tb.InputError, match=message):
         cross_validate(good[:3], HDR, **options | {"hold_out": known.get(held, held)})
 
 
@@ -251,9 +251,9 @@ def test_a_test_is_judged_as_it_is_fitted() -> None:
     force = record.force + 0.2 * record.peak_force * (np.abs(record.displacement) < 0.2)
     force[len(force) // 3] += 3.0 * record.peak_force
     record = replace(record, force=force, despike=True)
-    found = tb.validate_bearing("shen-hdr-specimen", record).comparisons[0]
-    assert found.R2 > 0.97
-    assert found.NRMSE < 0.05
+    result = tb.validate_bearing("shen-hdr-specimen", record).comparisons[0]
+    assert result.R2 > 0.97
+    assert result.NRMSE < 0.05
     held = cross_validate(
         [record, replace(record, name="other")], "shen-hdr-specimen", folds=2, free=["K_r"],
         starts=1,
@@ -275,19 +275,19 @@ def record() -> TestRecord:
     stiffer = stiffer.model_copy(update={"hysteresis": hysteresis})
     made = tb.synthetic_record(stiffer, 0.0, TEST_VALIDATE, noise=0.0, sampling=100.0)
     bare = replace(made, places={"T3_degC": "rubber 3"}, name="stiffer")
-    found = ForwardModel(bare, stiffer, fine=True).run(stiffer)
-    assert found is not None
-    return replace(bare, temperatures=found.temperatures)
+    result = ForwardModel(bare, stiffer, fine=True).run(stiffer)
+    assert result is not None
+    return replace(bare, temperatures=result.temperatures)
 
 
 @pytest.fixture(scope="module")
-def found(record: TestRecord) -> Validation:
+def result(record: TestRecord) -> Validation:
     return tb.validate_bearing(HDR, record, limits={"energy": 0.3, "temperature": 0.1})
 
 
-def test_the_bearing_stays_as_it_is(found: Validation) -> None:
+def test_the_bearing_stays_as_it_is(result: Validation) -> None:
     """A stiffer test warms more and softens a little: 0.8 of the force, nearly."""
-    (item,) = found.comparisons
+    (item,) = result.comparisons
     assert [loop.cycle for loop in item.loops] == [1, 2, 4, 5]  # the third stops the motion
     for loop in item.loops:
         assert loop.ratios["K_eq"] == pytest.approx(1.0 / 1.2, rel=0.03)
@@ -303,15 +303,15 @@ def test_the_bearing_stays_as_it_is(found: Validation) -> None:
     assert errors["temperature"] < -0.1
 
 
-def test_verdicts_follow_the_limits(found: Validation) -> None:
-    (row,) = found.table.to_dict("records")
+def test_verdicts_follow_the_limits(result: Validation) -> None:
+    (row,) = result.table.to_dict("records")
     assert row["K_eq_verdict"] == BEYOND  # 17 % against 15 %
     assert row["h_eq_verdict"] == WITHIN
     assert row["energy_verdict"] == WITHIN  # 30 % were given
     assert row["temperature_verdict"] == BEYOND
     assert row["force_verdict"] == row["NRMSE_verdict"] == REPORTED
-    assert found.verdict == BEYOND
-    looser = replace(found, limits={"K_eq": 0.2})
+    assert result.verdict == BEYOND
+    looser = replace(result, limits={"K_eq": 0.2})
     assert looser.verdict == WITHIN
 
 
@@ -418,7 +418,7 @@ def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"limits": {"K_eg": 0.1}}, "K_eg.*K_eq"),
         ({"limits": {"K_eq": 0.0}}, "K_eq = 0.0"),
@@ -429,8 +429,8 @@ def test_bearings_and_models_side_by_side(record: TestRecord) -> None:
         ({"models": "lead-alone"}, "needs lead"),
     ],
 )
-def test_what_cannot_be_validate(record: TestRecord, options: dict[str, Any], said: str) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_what_cannot_be_validate(record: TestRecord, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(tb.InputError, match=message):
         tb.validate_bearing(**{"bearings": HDR, "records": record} | options)
 
 
@@ -491,10 +491,10 @@ def test_beside_the_model(
         listed = fit.summary()["records"][0]
         assert len(fit.plot.temperatures().axes[0].get_lines()) == 2
     else:
-        found = tb.validate_bearing(HDR, record_thermocouples)
-        found.save(tmp_path / "out", figures=False)
-        found.show()
-        listed = found.summary()["comparisons"][0]
+        result = tb.validate_bearing(HDR, record_thermocouples)
+        result.save(tmp_path / "out", figures=False)
+        result.show()
+        listed = result.summary()["comparisons"][0]
     assert listed["unused_columns"] == ["counter"]
     (row,) = pd.read_csv(tmp_path / "out" / "thermocouples.csv").to_dict("records")
     assert (row["thermocouple"], row["place"]) == ("T3, inside", "rubber 2")

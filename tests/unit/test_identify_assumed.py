@@ -127,10 +127,10 @@ def pair() -> list[TestRecord]:
 
 
 def fitted(records: list[TestRecord]) -> Uncertainty:
-    found = identify_bearing(
+    result = identify_bearing(
         records, HDR, free=["K_r", "m_T", "n_T"], starts=1, start_from="bearing"
     )
-    return found.uncertainty
+    return result.uncertainty
 
 
 def test_the_ambient_temperature_of_a_test_is_uncertain(pair: list[TestRecord]) -> None:
@@ -183,14 +183,14 @@ def test_an_unseen_number_carries_its_whole_uncertainty() -> None:
     jacobian = rng.normal(size=(400, 2))
     noise = 0.01 * rng.normal(size=400)
     noise -= jacobian @ np.linalg.lstsq(jacobian, noise, rcond=None)[0]
-    found = covariance._propagate(
+    result = covariance._propagate(
         linear(noise, jacobian),
         covariance.Assumed(reported("sigma_Y").groups, -3.0 * jacobian[:, :1]),
     )
-    assert found.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
-    assert found.spread == pytest.approx(np.ones((1, 1)))
-    assert found._covariance() == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
-    assert found.evidence[0].stderr == np.inf
+    assert result.shifts == pytest.approx(np.array([[3.0], [0.0]]), abs=1e-12)
+    assert result.spread == pytest.approx(np.ones((1, 1)))
+    assert result._covariance() == pytest.approx(np.diag([9.0, 0.0]), abs=1e-9)
+    assert result.evidence[0].stderr == np.inf
 
 
 @pytest.mark.parametrize("off", [0.0, 0.5, 8.0])
@@ -203,18 +203,18 @@ def test_what_the_tests_ask_for(off: float) -> None:
     noise = rng.normal(size=400)
     basis = np.column_stack([jacobian, apart])
     noise -= basis @ np.linalg.lstsq(basis, noise, rcond=None)[0]
-    found = covariance._propagate(
+    result = covariance._propagate(
         linear(noise - off * apart, jacobian),
         covariance.Assumed(reported("sigma_Y").groups, column),
     )
-    (item,) = found.evidence
+    (item,) = result.evidence
     assert item.sigmas == pytest.approx(off, abs=1e-9)
     expected = 1.0 / np.linalg.norm(apart)
     assert 0.7 * expected < item.stderr < 1.4 * expected
     assert item.contradicted == (off > 3.1)
     # Posterior of a normal prior: nearly all of what was asked for, and a little spread.
-    assert found.spread[0, 0] == pytest.approx(off**2, rel=0.03, abs=0.02)
-    assert found.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
+    assert result.spread[0, 0] == pytest.approx(off**2, rel=0.03, abs=0.02)
+    assert result.shifts[0, 0] == pytest.approx(-1.0, abs=0.15)
 
 
 def test_more_heat_cells_are_a_cause_by_what_they_change_themselves() -> None:
@@ -284,11 +284,11 @@ def test_candidates_are_what_the_bearing_has() -> None:
 
 @pytest.mark.parametrize(("test", "free"), [(HOT, True), (COOL, False)], ids=["hot", "cool"])
 def test_softening_is_free_where_the_lead_gets_hot(test: object, free: bool) -> None:
-    found = find_sensitivity(LRB, records(LRB, test, (23.0,)))
-    assert found[E2].free is free
-    assert not found[E2].usual
-    assert (found[E2].stderr < BETTER * found[E2].spread) is free
-    assert found[parameters.SIGMA_Y].free
+    result = find_sensitivity(LRB, records(LRB, test, (23.0,)))
+    assert result[E2].free is free
+    assert not result[E2].usual
+    assert (result[E2].stderr < BETTER * result[E2].spread) is free
+    assert result[parameters.SIGMA_Y].free
 
 
 def test_one_ambient_frees_no_temperature_coefficient() -> None:
@@ -302,33 +302,33 @@ def test_one_ambient_frees_no_temperature_coefficient() -> None:
 
 def test_what_tests_tell_nothing_of_is_held() -> None:
     test = tb.cyclic_test(strain=[0.05], cycles=2, rest=None, closing_strain=None)
-    found = find_sensitivity(HDR, records(HDR, test, (23.0,)))
-    assert found[parameters.HARDENING].usual
-    assert not found[parameters.HARDENING].free
-    assert found[parameters.K_R].free
+    result = find_sensitivity(HDR, records(HDR, test, (23.0,)))
+    assert result[parameters.HARDENING].usual
+    assert not result[parameters.HARDENING].free
+    assert result[parameters.K_R].free
 
 
 @pytest.mark.thorough
 def test_lrb_from_a_file_of_nobody() -> None:
     """The softening of lead is free before a fit without it ends at a bound (sigma_Y = 2 MPa)."""
     start = parameters.with_values(generic_start(LRB), {E2: 0.0})
-    found = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
-    assert found.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
-    assert found.values[E2] == pytest.approx(0.0069, rel=0.05)
-    assert found.summary()["sensitivity"][E2]["free"]
-    assert min(fit.R2 for fit in found.fits) > 0.99
+    result = identify_bearing(records(LRB, HOT, (-10.0, 30.0), 27.0), start, starts=1)
+    assert result.values[parameters.SIGMA_Y] == pytest.approx(10.0, rel=0.02)
+    assert result.values[E2] == pytest.approx(0.0069, rel=0.05)
+    assert result.summary()["sensitivity"][E2]["free"]
+    assert min(fit.R2 for fit in result.fits) > 0.99
 
 
 @pytest.mark.thorough
 def test_lead_without_softening_keeps_it_fixed() -> None:
     test = tb.cyclic_test(strain=[0.5, 2.5], cycles=2, wave="sine", rest=None)
     tests = records(LHDR, test, (23.0,))
-    found = identify_bearing(tests, LHDR, starts=1, start_from="bearing")
-    (softening,) = (item for item in found.sensitivity if item.key == E2)
+    result = identify_bearing(tests, LHDR, starts=1, start_from="bearing")
+    (softening,) = (item for item in result.sensitivity if item.key == E2)
     assert softening.free
     assert not softening.usual
-    assert E2 not in found.uncertainty.estimates
-    assert set(found.uncertainty.estimates) == set(parameters.default_free(LHDR, (23.0,)))
+    assert E2 not in result.uncertainty.estimates
+    assert set(result.uncertainty.estimates) == set(parameters.default_free(LHDR, (23.0,)))
 
 
 def test_needed_parameters_stay() -> None:
@@ -377,20 +377,20 @@ def test_its_bearing_does_not_load(poor: Identification, tmp_path: Path) -> None
 
 
 def test_a_parameter_at_its_bound_is_a_poor_fit(record: TestRecord) -> None:
-    found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
-    assert found.fits[0].R2 > 0.98
-    assert found.poor == ["K_r = 30 kN/mm at its bound"]
+    result = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10.0, 30.0)}, starts=1)
+    assert result.fits[0].R2 > 0.98
+    assert result.poor == ["K_r = 30 kN/mm at its bound"]
 
 
 def test_a_parameter_near_its_bound_is_not_determined(record: TestRecord) -> None:
     """Within 5 % of the range: the bound, not the test, may have given it. The truth is 30.7."""
     for upper, outcome in ((31.0, "poor_fit"), (40.0, "completed")):
-        found = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1)
-        (item,) = found.uncertainty.estimates.values()
+        result = identify_bearing(record, HDR, free=["K_r"], bounds={"K_r": (10, upper)}, starts=1)
+        (item,) = result.uncertainty.estimates.values()
         assert not item.at_bound
-        assert found.outcome == outcome
+        assert result.outcome == outcome
         assert item.determined is (outcome == "completed")
-        reported = found.summary()["parameters"]["hysteresis.layer_stiffness"]
+        reported = result.summary()["parameters"]["hysteresis.layer_stiffness"]
         assert (_grade(reported) == "no") is (outcome == "poor_fit")
 
 
@@ -425,10 +425,10 @@ def test_optional_parameters_that_tests_leave_open_stay_at_their_start(tmp_path:
 
 
 def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord) -> None:
-    found = identify_bearing(record, HDR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
-    assert set(found.uncertainty.estimates) == {"hysteresis.layer_stiffness"}
-    assert found.bearing.hysteresis.elastic_temperature_coefficient == -0.914
-    assert any("m_T and n_T held" in text for text in found.warnings)
+    result = identify_bearing(record, HDR, free=["K_r", "m_T", "n_T = 2.4 * m_T"], starts=1)
+    assert set(result.uncertainty.estimates) == {"hysteresis.layer_stiffness"}
+    assert result.bearing.hysteresis.elastic_temperature_coefficient == -0.914
+    assert any("m_T and n_T held" in text for text in result.warnings)
     with pytest.raises(tb.InputError, match="one-temperature"):
         identify_bearing(record, HDR, free=["m_T"], starts=1)
     forced = identify_bearing(record, HDR, free=["m_T"], starts=1, one_temperature=True)
@@ -437,11 +437,11 @@ def test_temperature_coefficients_are_held_at_one_temperature(record: TestRecord
 
 def test_the_fitted_bearing_is_checked_for_plausibility(record: TestRecord) -> None:
     """The sign of a temperature coefficient of the starting bearing, which the test cannot tell."""
-    found = identify_bearing(
+    result = identify_bearing(
         record, parameters.with_values(HDR, {parameters.M_T: 1.0}), free=["K_r"], starts=1
     )
-    assert any(parameters.M_T in text for text in found.warnings)
-    assert found.outcome == "completed"
+    assert any(parameters.M_T in text for text in result.warnings)
+    assert result.outcome == "completed"
 
 
 @pytest.mark.parametrize(("key", "value"), [("b", 0.0), ("alpha_0", 1.0), ("s", -0.98)])

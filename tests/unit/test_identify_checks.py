@@ -41,12 +41,12 @@ def good() -> TestRecord:
     return synthetic_record(BEARING, 23.0, test, noise=0.005)
 
 
-def said(report: CheckReport, level: str, check: str = "") -> str:
-    found = [f for f in report.findings if f.level == level and check in ("", f.check)]
-    return "\n".join(f.sentence for f in found)
+def sentences(report: CheckReport, level: str, check: str = "") -> str:
+    findings = [f for f in report.findings if f.level == level and check in ("", f.check)]
+    return "\n".join(f.sentence for f in findings)
 
 
-def found(report: CheckReport) -> set[tuple[str, str]]:
+def levels_and_checks(report: CheckReport) -> set[tuple[str, str]]:
     return {(finding.level, finding.check) for finding in report.findings}
 
 
@@ -120,8 +120,8 @@ BAD: dict[str, tuple[Callable[[TestRecord], TestRecord], str, str, str]] = {
 def test_bad_records(good: TestRecord, name: str) -> None:
     change, level, check, words = BAD[name]
     report = check_test(change(good), BEARING)
-    assert (level, check) in found(report), report.findings
-    assert words in said(report, level)
+    assert (level, check) in levels_and_checks(report), report.findings
+    assert words in sentences(report, level)
 
 
 def test_a_refused_record_is_not_fitted(good: TestRecord) -> None:
@@ -132,7 +132,7 @@ def test_a_refused_record_is_not_fitted(good: TestRecord) -> None:
 def test_one_cycle_only() -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=1, closing_strain=None)
     record = synthetic_record(BEARING, 23.0, test, noise=0.0)
-    assert ("warning", "cycles") in found(check_test(record, BEARING))
+    assert ("warning", "cycles") in levels_and_checks(check_test(record, BEARING))
 
 
 @pytest.mark.parametrize(("low", "high"), [(-0.85, 0.85), (-0.6, 1.0)], ids=["both", "below"])
@@ -140,7 +140,7 @@ def test_clipped_force(good: TestRecord, low: float, high: float) -> None:
     ends = low * good.peak_force, high * good.peak_force
     clipped = replace(good, force=np.clip(good.force, *ends))
     report = check_test(clipped, BEARING)
-    assert ("warning", "saturation") in found(report)
+    assert ("warning", "saturation") in levels_and_checks(report)
     assert report.clipped.sum() > 10
     assert np.isin(clipped.force[report.clipped], ends).all()
     assert not report.clipped[(good.force > ends[0]) & (good.force < ends[1])].any()
@@ -150,11 +150,11 @@ def test_clipped_force(good: TestRecord, low: float, high: float) -> None:
 def test_a_slight_zero_of_the_force_is_reported(zero: float) -> None:
     steps = tb.cyclic_test(strain=[0.5, 1.0, 1.5], cycles=4, rest=None)
     cold = synthetic_record(BEARING, -20.0, steps, noise=0.01, seed=3)
-    assert ("note", "zero") in found(check_test(cold, BEARING))
-    assert ("warning", "offset") not in found(check_test(cold, BEARING))
+    assert ("note", "zero") in levels_and_checks(check_test(cold, BEARING))
+    assert ("warning", "offset") not in levels_and_checks(check_test(cold, BEARING))
     peak = cold.peak_force
     shifted = replace(cold, force=cold.force + zero / 160.0 * peak)
-    reported = said(check_test(shifted, BEARING), "warning")
+    reported = sentences(check_test(shifted, BEARING), "warning")
     number = float(re.findall(r'force_offset = "(.*) kN"', reported)[0])
     assert number == pytest.approx(zero / 160.0 * peak, rel=0.15)
 
@@ -169,11 +169,13 @@ def test_the_offset_of_the_message_is_that_of_the_readings(
     write(tmp_path / "t.csv", columns | {"force_kN": sign * good.force + zero})
     keys = f'ambient = "23 degC"\nflip_force = {str(sign < 0.0).lower()}\n'
     (tmp_path / "t.toml").write_text(f'{keys}force_offset = "{subtracted} kN"\n')
-    reported = said(check_test(load_test(tmp_path / "t.toml"), BEARING), "warning")
+    reported = sentences(check_test(load_test(tmp_path / "t.toml"), BEARING), "warning")
     offset = re.findall(r'force_offset = "(.*) kN"', reported)[0]
     assert float(offset) == pytest.approx(zero, rel=0.1)
     (tmp_path / "t.toml").write_text(f'{keys}force_offset = "{offset} kN"\n')
-    assert ("warning", "offset") not in found(check_test(load_test(tmp_path / "t.toml"), BEARING))
+    assert ("warning", "offset") not in levels_and_checks(
+        check_test(load_test(tmp_path / "t.toml"), BEARING)
+    )
 
 
 @pytest.mark.parametrize(
@@ -197,7 +199,7 @@ def test_a_wrong_unit_is_reported_by_the_slip_behind_it(
     f = scale * (x + 10.0 * np.cos(np.pi * t))
     f *= scale * 60.0 / np.abs(f).max()
     report = check_test(record_from_arrays(t, way * x, force * f, 23.0), BEARING)
-    assert slip in said(report, "refused")
+    assert slip in sentences(report, "refused")
 
 
 @pytest.mark.parametrize(("offset", "level"), [(0.0, "note"), (2.9, "warning")])
@@ -241,7 +243,7 @@ def test_offset_is_the_middle_of_the_middles(good: TestRecord) -> None:
     force = good.force.copy()
     cycle = check_test(good, BEARING).cycles[1]
     force[cycle.first : cycle.last] += 0.3 * good.peak_force
-    reported = said(check_test(replace(good, force=force), BEARING), "warning")
+    reported = sentences(check_test(replace(good, force=force), BEARING), "warning")
     assert "zero of the force is off" not in reported
 
 
@@ -318,8 +320,8 @@ def test_units_signs_and_offsets(
 ) -> None:
     plain(tmp_path / "t.csv")
     (tmp_path / "t.toml").write_text(f'ambient = "0 degC"\n{sidecar}\n')
-    found = getattr(load_test(tmp_path / "t.toml"), name)
-    assert_allclose(found, wanted, rtol=tol.CONVERSION, atol=tol.CONVERSION)
+    converted = getattr(load_test(tmp_path / "t.toml"), name)
+    assert_allclose(converted, wanted, rtol=tol.CONVERSION, atol=tol.CONVERSION)
 
 
 def test_blocks_with_rests_make_one_line_of_time(tmp_path: Path) -> None:
@@ -348,7 +350,7 @@ def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sidecar", "said"),
+    ("sidecar", "message"),
     [
         ('ambiant = "0 degC"\n', "ambient"),
         ("ambient = 0\n", "no unit"),
@@ -361,10 +363,10 @@ def test_without_a_clock_a_speed_is_assumed_and_said(tmp_path: Path) -> None:
         ("lines_before = 900\n", "lines"),
     ],
 )
-def test_faults_are_named(tmp_path: Path, sidecar: str, said: str) -> None:
+def test_faults_are_named(tmp_path: Path, sidecar: str, message: str) -> None:
     plain(tmp_path / "t.csv")
     (tmp_path / "t.toml").write_text(sidecar)
-    with pytest.raises(InputError, match=said):
+    with pytest.raises(InputError, match=message):
         load_test(tmp_path / "t.csv")
 
 
@@ -484,8 +486,8 @@ def test_spikes_are_found_one_by_one(spiky: tuple[TestRecord, list[int]]) -> Non
     record, at = spiky
     report = check_test(record, HDR)
     assert np.flatnonzero(treatment.treat(record).spikes["force"]).tolist() == at
-    assert "10 spikes in the force, the largest 3" in said(report, "warning", "spikes")
-    assert "despike = true" in said(report, "warning", "spikes")
+    assert "10 spikes in the force, the largest 3" in sentences(report, "warning", "spikes")
+    assert "despike = true" in sentences(report, "warning", "spikes")
     assert "offset" not in {finding.check for finding in report.findings}
     title = draw_record(report).axes[1].get_title(loc="left")
     assert "crosses: spikes" in title.replace("\n", " ")
@@ -517,7 +519,7 @@ def test_spikes_are_taken_out_only_when_reported(spiky: tuple[TestRecord, list[i
     assert not none[np.abs(left.force) > 200.0].any()
     (reported,) = treatment.request_treatment([record], True, "")
     report = check_test(reported, HDR)
-    assert "removed" in said(report, "note", "spikes")
+    assert "removed" in sentences(report, "note", "spikes")
     assert report.treatment is not None
     assert report.treatment.cleaned.peak_force < 150.0
     found = identify_bearing(replace(record, despike=True), HDR, starts=1)
@@ -536,13 +538,13 @@ def drifting(record: TestRecord, name: str, part: float, detrend: str = "") -> T
 def test_drift_is_found_and_taken_out_when_reported(record: TestRecord, name: str) -> None:
     spoilt = drifting(record, name, 0.08)
     report = check_test(spoilt, HDR)
-    assert f"the zero of the {name} drifts by" in said(report, "warning", "drift")
+    assert f"the zero of the {name} drifts by" in sentences(report, "warning", "drift")
     assert treatment.treat(spoilt).cleaned.force[-50:].mean() == spoilt.force[-50:].mean()
     reported = treatment.treat(drifting(record, name, 0.08, detrend=name))
     off = getattr(reported.cleaned, name) - getattr(treatment.treat(record).cleaned, name)
     peak = float(np.abs(getattr(record, name)).max())
     assert np.abs(off).max() < 0.025 * peak
-    assert "removed" in said(check_test(reported.record, HDR), "note", "drift")
+    assert "removed" in sentences(check_test(reported.record, HDR), "note", "drift")
 
 
 def test_a_certain_drift_that_is_small_is_a_note() -> None:
@@ -553,14 +555,14 @@ def test_a_certain_drift_that_is_small_is_a_note() -> None:
     smallest = min(full, key=lambda cycle: cycle.amplitude)
     peak = 0.5 * float(np.ptp(record.force[smallest.first : smallest.last + 1]))
     report = check_test(drifting(record, "force", 0.02 * peak / record.peak_force), HDR)
-    assert "the zero of the force drifts by" in said(report, "note", "drift")
-    assert not said(report, "warning", "drift")
+    assert "the zero of the force drifts by" in sentences(report, "note", "drift")
+    assert not sentences(report, "warning", "drift")
 
 
 def test_a_drift_that_is_small_is_removed_on_request(record: TestRecord) -> None:
     """1 % of the peak is not reported, but removed where the sidecar asks for it."""
     part = 0.01
-    assert not said(check_test(drifting(record, "force", part), HDR), "warning", "drift")
+    assert not sentences(check_test(drifting(record, "force", part), HDR), "warning", "drift")
     treated = treatment.treat(drifting(record, "force", part, detrend="force"))
     assert treated.summary()["drift_removed"] == ["force"]
     plain = treatment.treat(replace(record, detrend="force"))
@@ -571,7 +573,7 @@ def test_a_drift_of_few_cycles_is_not_reported_as_removed() -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=3, rest=None)
     short = replace(synthetic_record(HDR, 23.0, test), detrend="force")
     assert treatment.treat(short).summary()["drift_removed"] == []
-    assert "not removed" in said(check_test(short, HDR), "warning", "drift")
+    assert "not removed" in sentences(check_test(short, HDR), "warning", "drift")
 
 
 def test_tests_of_one_name_are_told_apart_by_their_folders() -> None:
@@ -599,8 +601,8 @@ def test_a_drift_of_three_amplitudes_is_removed_with_its_interval(ambient: float
     plain = synthetic_record(HDR, ambient, steps, noise=0.001, seed=5)
     line = drift * (plain.time - plain.time[0]) / np.ptp(plain.time)
     report = check_test(replace(plain, force=plain.force + line), HDR)
-    assert ("warning", "drift") in found(report)
-    assert ("warning", "offset") not in found(report)
+    assert ("warning", "drift") in levels_and_checks(report)
+    assert ("warning", "offset") not in levels_and_checks(report)
     assert report.treatment is not None
     measured = report.treatment.drifts["force"]
     assert abs(measured.total - drift) < 0.1 * drift
@@ -616,9 +618,9 @@ def test_the_removal_of_a_drift_is_a_note_with_what_may_remain() -> None:
     assert report.treatment is not None
     measured = report.treatment.drifts["force"]
     assert measured.error > 0.1 * measured.total
-    assert ("note", "drift") in found(report)
-    assert ("warning", "drift") not in found(report)
-    assert f"Up to {measured.error:.2g} kN" in said(report, "note", "drift")
+    assert ("note", "drift") in levels_and_checks(report)
+    assert ("warning", "drift") not in levels_and_checks(report)
+    assert f"Up to {measured.error:.2g} kN" in sentences(report, "note", "drift")
     assert report.treatment.summary()["drift_error"]["force_kN"] == measured.error
 
 
@@ -650,10 +652,10 @@ def test_limits_are_those_of_the_data_file(
     table = read_toml(data_path("identify", "checks.toml"))
     assert set(table) == set(CheckLimits.model_fields)
     assert all(entry["source"] and entry["note"] for entry in table.values())
-    assert not said(check_test(good), "warning", "sampling")
+    assert not sentences(check_test(good), "warning", "sampling")
     many = check_limits().model_copy(update={"few_samples": 100_000})
     monkeypatch.setattr(checks, "check_limits", lambda: many)
-    assert "100000 or more" in said(check_test(good), "warning", "sampling")
+    assert "100000 or more" in sentences(check_test(good), "warning", "sampling")
 
 
 def test_the_stated_modulus_is_that_of_the_later_cycles() -> None:

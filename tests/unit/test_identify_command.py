@@ -36,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def found() -> Identification:
+def result() -> Identification:
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
     return identify_bearing(records, HDR, starts=1)
 
@@ -110,7 +110,7 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--free", "K_x"], "no parameter"),
         (["--loss", "cubic"], "soft_l1"),
@@ -121,21 +121,21 @@ def test_bad_tests_write_nothing_and_say_why(folder: Path, tmp_path: Path) -> No
         ([], "no bearing is given"),
     ],
 )
-def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], said: str) -> None:
+def test_wrong_options(folder: Path, tmp_path: Path, words: list[str], message: str) -> None:
     path = folder / "at0.csv"
     if not words:  # a file without its sidecar
         path = tmp_path / "t.csv"
         path.write_bytes((folder / "at0.csv").read_bytes())
     status, text = invoke(path, "-o", tmp_path / "out", *words)
     assert status == 2
-    assert said in text
+    assert message in text
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.thorough
-def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
-    ahead = posterior.forecast(found, [-20.0, 10.0])
-    out = found.with_forecast(ahead).save(tmp_path / "out", figures=False)
+def test_saved_from_python(result: Identification, tmp_path: Path) -> None:
+    ahead = posterior.forecast(result, [-20.0, 10.0])
+    out = result.with_forecast(ahead).save(tmp_path / "out", figures=False)
     reported = json.loads((out / "summary.json").read_text())
     assert reported["posterior"]["source"] == "laplace"
     assert [band["ambient_degC"] for band in reported["posterior"]["peak_force"]] == [-20.0, 10.0]
@@ -144,13 +144,13 @@ def test_saved_from_python(found: Identification, tmp_path: Path) -> None:
     assert cold["lower_kN"] < cold["best_kN"] < cold["upper_kN"]
     rows = (out / "posterior.csv").read_text().splitlines()
     assert len(rows) == 1 + len(ahead.samples.cube)
-    saved, fitted = tb.load_bearing(out / "bearing.toml"), found.bearing
+    saved, fitted = tb.load_bearing(out / "bearing.toml"), result.bearing
     assert to_table(saved.hysteresis, DIGITS) == to_table(fitted.hysteresis, DIGITS)
 
 
-def test_names_are_not_markup(found: Identification, capsys: pytest.CaptureFixture[str]) -> None:
-    records = [replace(record, name="[/x]") for record in found.records]
-    replace(found, records=records).show()
+def test_names_are_not_markup(result: Identification, capsys: pytest.CaptureFixture[str]) -> None:
+    records = [replace(record, name="[/x]") for record in result.records]
+    replace(result, records=records).show()
     assert "[/x]" in capsys.readouterr().out
 
 
@@ -160,18 +160,18 @@ def test_chosen_bounds_hold(name: str, start_from: str) -> None:
     """Of a stiffness too, whose usual bounds follow its starting value; the truth is 30.7."""
     record = synthetic_record(HDR, 23.0, SHORT, sampling=25.0)
     options = {"free": ["K_r"], "starts": 1, "start_from": start_from}
-    found = identify_bearing(record, HDR, bounds={name: (35.0, 60.0)}, **options)
-    (item,) = found.uncertainty.estimates.values()
+    result = identify_bearing(record, HDR, bounds={name: (35.0, 60.0)}, **options)
+    (item,) = result.uncertainty.estimates.values()
     assert (item.parameter.lower, item.parameter.upper) == (35.0, 60.0)
     assert item.at_bound
     assert 35.0 <= item.value < 36.0
-    assert any("at its bound" in text for text in found.warnings)
+    assert any("at its bound" in text for text in result.warnings)
 
 
-def test_draws_have_the_intervals_of_the_table(found: Identification) -> None:
-    draws = posterior._laplace_samples(found, 4000).cube
+def test_draws_have_the_intervals_of_the_table(result: Identification) -> None:
+    draws = posterior._laplace_samples(result, 4000).cube
     low, high = np.quantile(draws, [0.025, 0.975], axis=0)
-    for item, *ends in zip(found.uncertainty.estimates.values(), low, high, strict=True):
+    for item, *ends in zip(result.uncertainty.estimates.values(), low, high, strict=True):
         interval = item.parameter.place(item.lower), item.parameter.place(item.upper)
         np.testing.assert_allclose(ends, interval, atol=0.1 * np.ptp(interval))
 
@@ -192,9 +192,9 @@ def test_samples_do_not_depend_on_the_eigenvectors(monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.thorough
-def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> None:
-    band = posterior._predictive_band(found, posterior._laplace_samples(found), -20.0)
-    truth = ForwardModel(found.records[0], HDR, fine=True, ambient=-20.0).run(HDR)
+def test_band_at_a_temperature_that_was_not_tested(result: Identification) -> None:
+    band = posterior._predictive_band(result, posterior._laplace_samples(result), -20.0)
+    truth = ForwardModel(result.records[0], HDR, fine=True, ambient=-20.0).run(HDR)
     assert truth is not None
     assert band.peak_lower < np.abs(truth.force).max() < band.peak_upper
     inside = (band.lower <= truth.force) & (truth.force <= band.upper)
@@ -205,37 +205,37 @@ def test_band_at_a_temperature_that_was_not_tested(found: Identification) -> Non
 def test_posterior_agrees_with_the_normal_distribution() -> None:
     """Of three parameters, for which walkers enough are half as many as for all."""
     records = [synthetic_record(HDR, at, SHORT, sampling=25.0) for at in AMBIENTS]
-    found = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
-    samples = posterior._posterior_samples(found, steps=150, burn=100)
-    spread = posterior._laplace_samples(found).cube.std(axis=0)
+    result = identify_bearing(records, HDR, free=["K_r", "d_y", "n_T"], starts=1)
+    samples = posterior._posterior_samples(result, steps=150, burn=100)
+    spread = posterior._laplace_samples(result).cube.std(axis=0)
     assert 0.2 < samples.acceptance < 0.8
     np.testing.assert_allclose(samples.cube.std(axis=0), spread, rtol=0.5)
-    assert (np.abs(samples.cube.mean(axis=0) - found.cube) < spread).all()
+    assert (np.abs(samples.cube.mean(axis=0) - result.cube) < spread).all()
 
 
 @pytest.mark.thorough
 def test_what_a_posterior_takes_is_reported_before(
-    found: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result: Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    runs, seconds = posterior.posterior_effort(found, steps=8, burn=2)
+    runs, seconds = posterior.posterior_effort(result, steps=8, burn=2)
     assert seconds > 0.0
-    before = found.problem.evaluations
-    posterior._posterior_samples(found, steps=8, burn=2)
-    used = (found.problem.evaluations - before - 1) * len(AMBIENTS)  # one for the variance
+    before = result.problem.evaluations
+    posterior._posterior_samples(result, steps=8, burn=2)
+    used = (result.problem.evaluations - before - 1) * len(AMBIENTS)  # one for the variance
     assert 0.6 * runs < used <= runs  # those beyond a bound are not run
-    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
+    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: result)
     monkeypatch.setattr(
         "thermobearing.identify.uncertainty.posterior._posterior_samples",
         lambda given, seed: posterior._laplace_samples(given, 50, seed=seed),
     )
-    write_test(tmp_path, found.records[0], "cold")
+    write_test(tmp_path, result.records[0], "cold")
     words = (tmp_path / "cold.csv", "--posterior", "--no-figures", "-o", tmp_path / "out")
     status, text = invoke(*words)
     assert status == 0, text
-    whole = posterior.posterior_effort(found)[0]
-    said = f"posterior: up to {whole} runs of the model through 2 tests, about "
-    assert said in text, text
-    assert text.index(said) < text.index("written:")
+    whole = posterior.posterior_effort(result)[0]
+    output = f"posterior: up to {whole} runs of the model through 2 tests, about "
+    assert output in text, text
+    assert text.index(output) < text.index("written:")
     assert "posterior:" not in invoke(*words, "--overwrite", "-q")[1]
 
 

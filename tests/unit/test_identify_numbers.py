@@ -171,8 +171,8 @@ def test_jacobian_of_straight_lines_is_exact(
     problem = make_problem([sines((10.0,))])
     monkeypatch.setattr(problem, "parts", lambda cube, *, fine: [matrix @ cube])
     for cube in ([0.4, 0.6], [1.0, 0.5], [0.0, 1.0], [0.9996, 0.0003]):
-        found = problem.jacobian(np.array(cube), central=central)
-        assert_allclose(found, matrix, rtol=1e-9, atol=1e-9)
+        result = problem.jacobian(np.array(cube), central=central)
+        assert_allclose(result, matrix, rtol=1e-9, atol=1e-9)
 
 
 def lopsided(record: TestRecord, up: float, down: float) -> np.ndarray:
@@ -216,11 +216,11 @@ def test_stiffer_first_cycles_are_reported(first: float, reported: bool) -> None
     force = record.force.copy()
     force[:POINTS] *= first
     fit = _comparison(replace(record, force=force), Prediction(record.force, {}))
-    said = [text for text in _fit_warnings(fit) if "scragging" in text]
-    assert len(said) == int(reported)
+    output = [text for text in _fit_warnings(fit) if "scragging" in text]
+    assert len(output) == int(reported)
     if reported:
-        assert "17 % stronger" in said[0]  # 1 - 1/1.2
-        assert "first_cycle_weight = 0" in said[0]
+        assert "17 % stronger" in output[0]  # 1 - 1/1.2
+        assert "first_cycle_weight = 0" in output[0]
         fit = replace(fit, record=replace(fit.record, first_cycle_weight=0.0))
         (text,) = (text for text in _fit_warnings(fit) if "scragging" in text)
         assert "They had no weight" in text
@@ -247,13 +247,13 @@ def linear_problem(sizes: tuple[float, float]) -> tuple[Any, np.ndarray]:
 
 def test_intervals_are_those_of_student() -> None:
     problem, best = linear_problem((1.0, 0.5))
-    found = estimate(problem, best, [])
-    sigma = np.sqrt(np.diag(found.covariance))
+    result = estimate(problem, best, [])
+    sigma = np.sqrt(np.diag(result.covariance))
     record = problem.records[0]
     blocks = len(np.unique(half_cycles(record)))
     assert blocks >= 23  # half cycles
     wide = float(student.ppf(0.975, blocks - 2))
-    K, b = found.estimates[K_R], found.estimates[HARDENING]
+    K, b = result.estimates[K_R], result.estimates[HARDENING]
     # Linear scale: value and error are 2 times those of the place.
     assert b.value == pytest.approx(1.4)
     assert b.stderr == pytest.approx(2.0 * sigma[1], rel=tol.LOOP)
@@ -269,17 +269,17 @@ def test_intervals_are_those_of_student() -> None:
     textbook = np.linalg.inv(columns.T @ columns) * (residual @ residual) / (len(residual) - 2)
     ratio = sigma / np.sqrt(np.diag(textbook))
     assert ((ratio > 1.0 - 1e-9) & (ratio < 2.0)).all()
-    assert found.rms == pytest.approx(float(np.sqrt(np.mean(residual**2))))
-    assert found.samples == len(residual)
+    assert result.rms == pytest.approx(float(np.sqrt(np.mean(residual**2))))
+    assert result.samples == len(residual)
 
 
 @pytest.mark.parametrize("place", [0.001, 0.999])
 def test_both_bounds_are_noticed(place: float) -> None:
     problem, best = linear_problem((1.0, 0.5))
-    found = estimate(problem, np.array([best[0], place]), [])
-    assert found.estimates[HARDENING].at_bound
-    assert not found.estimates[K_R].at_bound
-    assert any("at its bound" in text for text in found.warnings)
+    result = estimate(problem, np.array([best[0], place]), [])
+    assert result.estimates[HARDENING].at_bound
+    assert not result.estimates[K_R].at_bound
+    assert any("at its bound" in text for text in result.warnings)
 
 
 @pytest.mark.parametrize(("faster", "narrow"), [(1.2, True), (10.0, False)])
@@ -344,8 +344,8 @@ def test_temperature_law_from_two_tests(coefficient: float) -> None:
     """v = 30 exp(m (T - 23)/100), at -20 and 0 degC."""
     ambients = np.array([-20.0, 0.0])
     values = list(30.0 * np.exp(coefficient * (ambients - 23.0) / 100.0))
-    found = _with_temperature(values, ambients, 23.0, -0.5, True)
-    assert_allclose(found, [30.0, coefficient], rtol=1e-9)
+    result = _with_temperature(values, ambients, 23.0, -0.5, True)
+    assert_allclose(result, [30.0, coefficient], rtol=1e-9)
     held = _with_temperature(values[:1], ambients[:1], 23.0, coefficient, False)
     assert_allclose(held, [30.0, coefficient], rtol=1e-9)
 
@@ -372,9 +372,9 @@ def test_least_squares_gets_the_loss_and_its_scale(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(scipy.optimize, "least_squares", solve)
     problem: Any = SimpleNamespace(residuals=None, jacobian=None, loss="huber")
-    found, converged = search._least_squares(problem, np.array([0.0, 2.0]), 7, fine=True)
+    result, converged = search._least_squares(problem, np.array([0.0, 2.0]), 7, fine=True)
     assert converged
-    assert_allclose(found, [1e-6, 1.0 - 1e-6])
+    assert_allclose(result, [1e-6, 1.0 - 1e-6])
     assert (asked["loss"], asked["f_scale"], asked["max_nfev"]) == ("huber", 0.02, 7)
     assert asked["bounds"] == (0.0, 1.0)
 
@@ -388,23 +388,23 @@ def test_symbols_and_keys_name_the_same() -> None:
 
 
 def test_values_come_back_from_the_cube() -> None:
-    found = parameter_set(LHDR, None, [-20.0, 23.0])
-    assert len(found.free) == 11
-    for key, value in found.values(found.start).items():
+    result = parameter_set(LHDR, None, [-20.0, 23.0])
+    assert len(result.free) == 11
+    for key, value in result.values(result.start).items():
         table, name = key.split(".")
         assert_allclose(value, getattr(getattr(LHDR, table), name), rtol=tol.CONVERSION)
 
 
 def test_ties_and_bounds() -> None:
-    found = parameter_set(HDR, ["m_T", "n_T = 2.5 * m_T"], [23.0], {"m_T": (-2.0, 0.0)})
-    values = found.values(np.array([0.25]))
+    result = parameter_set(HDR, ["m_T", "n_T = 2.5 * m_T"], [23.0], {"m_T": (-2.0, 0.0)})
+    values = result.values(np.array([0.25]))
     assert_allclose(values["hysteresis.elastic_temperature_coefficient"], -1.5)
     assert_allclose(values["hysteresis.hysteretic_temperature_coefficient"], -3.75)
 
 
 def test_unusable_choices() -> None:
-    for free, said in ((["K_l"], "no lead"), ([], "nothing is free"), (["Kr"], "K_r")):
-        with pytest.raises(InputError, match=said):
+    for free, output in ((["K_l"], "no lead"), ([], "nothing is free"), (["Kr"], "K_r")):
+        with pytest.raises(InputError, match=output):
             parameter_set(HDR, free, [23.0])
     with pytest.raises(InputError, match="empty"):
         parameter_set(HDR, ["K_r"], [23.0], {"K_r": (3.0, 2.0)})
@@ -504,13 +504,13 @@ def test_properties_are_those_of_the_cycles_with_intervals() -> None:
     test = tb.cyclic_test(strain=[0.5, 1.0], cycles=3, rest=None, dt=0.02)
     short = tb.cyclic_test(strain=[1.0], cycles=3, rest=None, dt=0.02)
     records = [synthetic_record(HDR, -20.0, test), synthetic_record(HDR, 23.0, short)]
-    found = tb.identify_bearing(records, HDR, free=["K_r", "n_T"], starts=1, start_from="bearing")
-    properties = {(item.quantity, item.ambient_degC): item for item in found.properties}
-    assert len(properties) == len(found.properties) == 8
+    result = tb.identify_bearing(records, HDR, free=["K_r", "n_T"], starts=1, start_from="bearing")
+    properties = {(item.quantity, item.ambient_degC): item for item in result.properties}
+    assert len(properties) == len(result.properties) == 8
     size = HDR.area, HDR.total_rubber_thickness
     fields = {"G_e": "G_eq_MPa", "h_eq": "h_eq", "Q_d": "characteristic_strength_kN"}
     fields["K_d"] = "post_yield_stiffness_kN_mm"
-    for record in found.records:
+    for record in result.records:
         force = ForwardModel(record, HDR, fine=True).run(HDR)
         assert force is not None
         truth, cycles = (
@@ -537,7 +537,7 @@ def test_properties_are_those_of_the_cycles_with_intervals() -> None:
         assert cold.ratio_lower is not None
         assert cold.ratio is not None
         assert cold.ratio_lower < cold.ratio
-    tables = list(found.tables())
+    tables = list(result.tables())
     assert tables.index("properties") < tables.index("parameters")
 
 

@@ -65,8 +65,8 @@ def test_what_is_found(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab day 1.csv")
     status, shown = invoke("intake", file, "--bearing", BEARING, "-o", tmp_path / "out")
     assert status == 0, shown
-    said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["files"][0]
-    assert {c["title"]: c["holds"] for c in said["columns"]} == {
+    output = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["files"][0]
+    assert {c["title"]: c["holds"] for c in output["columns"]} == {
         "Zeit": "time",
         "Weg SPS": "displacement",
         "Kraft": "force",
@@ -75,12 +75,12 @@ def test_what_is_found(tmp_path: Path) -> None:
         "T3 [°C]": "temperature",
         "Notiz": "nothing",
     }
-    assert (said["separator"], said["decimal"]) == (";", ",")
-    assert said["ambient_degC"] == pytest.approx(-19.8)
-    assert said["unused_columns"] == ["T3 [°C]"]
-    assert said["treatment"]["rests"] == 4
-    assert said["treatment"]["spikes"] == {"displacement": 0, "force": 3}
-    assert_allclose(said["treatment"]["drift"]["force_kN"], 10.0, rtol=tol.DRIFT_FOUND)
+    assert (output["separator"], output["decimal"]) == (";", ",")
+    assert output["ambient_degC"] == pytest.approx(-19.8)
+    assert output["unused_columns"] == ["T3 [°C]"]
+    assert output["treatment"]["rests"] == 4
+    assert output["treatment"]["spikes"] == {"displacement": 0, "force": 3}
+    assert_allclose(output["treatment"]["drift"]["force_kN"], 10.0, rtol=tol.DRIFT_FOUND)
     assert (tmp_path / "out" / "figures" / "lab-day-1.png").exists()
     for word in ("T3 [°C]", "not used", "decimal comma", "3 spikes", "4 rests", "drifts by"):
         assert word in shown
@@ -91,7 +91,7 @@ def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
     file = laboratory(tmp_path / "lab.csv")
     bare = load_test(file)
     assert_allclose(bare.force, history()[2], atol=tol.FOUR_DECIMALS)
-    (found,) = tb.inspect_files(file).files
+    (result,) = tb.inspect_files(file).files
     assert (
         invoke("intake", file, "--write-sidecars", "--no-figures", "-o", tmp_path / "a/b/out")[0]
         == 0
@@ -103,7 +103,7 @@ def test_the_sidecar_reads_what_was_found(tmp_path: Path) -> None:
         assert_allclose(record.time, history()[0], atol=tol.FOUR_DECIMALS)
         assert record.ambient == pytest.approx(-19.8)
         assert record.places == {"T Pb": "lead"}
-        assert record.unused == found.record.unused == ("T3 [°C]",)
+        assert record.unused == result.record.unused == ("T3 [°C]",)
     # What it suggests is valid once its mark is taken away.
     text = file.with_suffix(".toml").read_text(encoding="utf-8")
     for line in ("# despike = true", '# detrend = "force"', '# "T3 [°C]" = "rubber 1"'):
@@ -126,10 +126,10 @@ def test_a_sidecar_that_is_there_wins_and_stays(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
     assert file.with_suffix(".toml").read_text(encoding="utf-8") == kept
     file.with_suffix(".toml").write_text('ambient = "5 degC"\nflip_force = false\n')
-    (found,) = tb.inspect_files(file).files
-    assert found.record.ambient == 5.0
-    assert "flip_force" not in found.sidecar or found.sidecar["flip_force"] is False
-    assert found.sidecar["columns"]["force"] == "Kraft"
+    (result,) = tb.inspect_files(file).files
+    assert result.record.ambient == 5.0
+    assert "flip_force" not in result.sidecar or result.sidecar["flip_force"] is False
+    assert result.sidecar["columns"]["force"] == "Kraft"
 
 
 def test_a_date_of_toml_and_the_strains_of_a_bearing(tmp_path: Path) -> None:
@@ -141,7 +141,7 @@ def test_a_date_of_toml_and_the_strains_of_a_bearing(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
     (item,) = summary["files"]
     assert item["sidecar"]["date"] == load_test(file).about["date"] == "2024-11-05"
-    (levels,) = (found for found in item["findings"] if found["check"] == "strain")
+    (levels,) = (result for result in item["findings"] if result["check"] == "strain")
     assert re.search(r"amplitude 40 mm is 133 % .* 30 mm of rubber", levels["sentence"])
 
 
@@ -149,9 +149,9 @@ def test_columns_without_titles_and_units(tmp_path: Path) -> None:
     t, x, f = history()
     path = tmp_path / "bare.txt"
     np.savetxt(path, np.column_stack([f[:1600], t[:1600], x[:1600]]), fmt="%.5f")
-    (found,) = tb.inspect_files(path).files
-    assert [column.holds for column in found.columns] == ["force", "time", "displacement"]
-    assert found.sidecar["units"] == {"time": "s", "displacement": "mm", "force": "kN"}
+    (result,) = tb.inspect_files(path).files
+    assert [column.holds for column in result.columns] == ["force", "time", "displacement"]
+    assert result.sidecar["units"] == {"time": "s", "displacement": "mm", "force": "kN"}
 
 
 def test_blocks_and_sheets(tmp_path: Path) -> None:
@@ -159,9 +159,9 @@ def test_blocks_and_sheets(tmp_path: Path) -> None:
     rows = "".join(f"{a:.3f},{b:.3f},{c:.3f}\n" for a, b, c in zip(t, x, f, strict=True))
     path = tmp_path / "two.csv"
     path.write_text(("time_s,disp_mm,load_kN\n" + rows) * 2)
-    (found,) = tb.inspect_files(path).files
-    assert found.blocks == 2
-    assert [block.get("rest_before") for block in found.sidecar["blocks"]] == [None, "0 s"]
+    (result,) = tb.inspect_files(path).files
+    assert result.blocks == 2
+    assert [block.get("rest_before") for block in result.sidecar["blocks"]] == [None, "0 s"]
     openpyxl = pytest.importorskip("openpyxl", reason="pip install 'thermobearing[xlsx]'")
     book = openpyxl.Workbook()
     for name in ("50%", "100%"):
@@ -170,10 +170,10 @@ def test_blocks_and_sheets(tmp_path: Path) -> None:
         for a, b, c in zip(t, x, f, strict=True):
             sheet.append([float(a), float(b), float(c) / 9.80665, 21.5])
     book.save(tmp_path / "book.xlsx")
-    found = tb.inspect_files([path, tmp_path / "book.xlsx"]).files[1]
-    assert [block["sheet"] for block in found.sidecar["blocks"]] == ["50%", "100%"]
-    assert found.record.ambient == 21.5
-    assert_allclose(found.record.force[:800], f, atol=tol.FOUR_DECIMALS)
+    result = tb.inspect_files([path, tmp_path / "book.xlsx"]).files[1]
+    assert [block["sheet"] for block in result.sidecar["blocks"]] == ["50%", "100%"]
+    assert result.record.ambient == 21.5
+    assert_allclose(result.record.force[:800], f, atol=tol.FOUR_DECIMALS)
 
 
 BAD = [
@@ -219,10 +219,10 @@ def test_one_bad_file_does_not_stop_the_others(tmp_path: Path) -> None:
     assert status == 2, shown
     assert "bad.csv: " in shown
     assert "none.csv: no such file" in shown
-    said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
-    assert said["outcome"] == json.loads(shown.splitlines()[-1])["outcome"] == "files_left_out"
-    assert [Path(item["file"]).name for item in said["files"]] == ["good.csv"]
-    assert len(said["problems"]) == 2
+    output = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert output["outcome"] == json.loads(shown.splitlines()[-1])["outcome"] == "files_left_out"
+    assert [Path(item["file"]).name for item in output["files"]] == ["good.csv"]
+    assert len(output["problems"]) == 2
     assert [item.name for item in (tmp_path / "out" / "sidecars").iterdir()] == ["good.toml"]
     assert invoke("intake", bad, "-o", tmp_path / "other")[0] == 2
     assert not (tmp_path / "other").exists()
@@ -260,13 +260,13 @@ def test_a_chamber_that_warms_is_reported(tmp_path: Path, warmer: float, reporte
 def test_rests_do_not_fill_the_picture(tmp_path: Path) -> None:
     """Four rests of 75 s between loadings of 40 s had two thirds of its time axis; a rest of an
     hour all of it."""
-    (found,) = tb.inspect_files(laboratory(tmp_path / "lab.csv")).files
-    axis = _time_axis(found.report)
+    (result,) = tb.inspect_files(laboratory(tmp_path / "lab.csv")).files
+    axis = _time_axis(result.report)
     rests = [s for s in axis.stretches if s.rest]
     assert len(rests) == 4
     assert sum(s.width for s in rests) < 0.5 * axis.end
     assert all(s.shortened for s in rests)
-    figure = found.plot()
+    figure = result.plot()
     assert "shortened" in figure.axes[0].get_xlabel()
     drawn = figure.axes[0].lines[0].get_xdata()
     assert drawn[0] == 0.0
@@ -308,11 +308,11 @@ def test_sidecar_and_rests(tmp_path: Path, ending: str, separator: str, comma: b
     path = logged(tmp_path / "t.csv", separator=separator, comma=comma).with_suffix(ending)
     done = command("measure", path, "--bearing", BEARING, "--json")
     assert done.exit_code == 0, done.output
-    said = json.loads(done.stdout.splitlines()[-1])
-    strengths = [cycle["characteristic_strength_kN"] for cycle in said["cycles"]]
+    output = json.loads(done.stdout.splitlines()[-1])
+    strengths = [cycle["characteristic_strength_kN"] for cycle in output["cycles"]]
     assert_allclose(strengths, STRENGTH, rtol=tol.FORCE_AT_A_REST)
-    assert [cycle["ends"] for cycle in said["cycles"]] == ["rest"] * 3
-    assert "columns not used: T_3" in said["notes"]
+    assert [cycle["ends"] for cycle in output["cycles"]] == ["rest"] * 3
+    assert "columns not used: T_3" in output["notes"]
     assert "columns not used: T_3" in done.stdout
 
 
@@ -330,14 +330,14 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     words = ["measure", path, "--bearing", BEARING, "-o", out]
     done = command(*words, "--json")
     assert done.exit_code == 0, done.output
-    said = json.loads(done.stdout.splitlines()[-1])
-    assert said["output"] == str(out)
+    output = json.loads(done.stdout.splitlines()[-1])
+    assert output["output"] == str(out)
     saved = tb.load_result(out)
     assert (saved.command, saved.outcome) == ("measure", "completed")
     table = saved["cycles"]
     assert table["cycle"].tolist() == [1, 2, 3]
     assert table["ends"].tolist() == ["rest"] * 3
-    reported = [cycle["stiffness_kN_mm"] for cycle in said["cycles"]]
+    reported = [cycle["stiffness_kN_mm"] for cycle in output["cycles"]]
     assert_allclose(table["K_eq_kN_mm"], reported, rtol=tol.ROUNDING)
     assert_allclose(table["strain"], 1.0, rtol=tol.FORCE_AT_A_REST)
     assert [path.name for path in saved.figures] == ["loops.png"]
@@ -350,7 +350,7 @@ def test_written_like_the_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("title", "values", "found"),
+    ("title", "values", "result"),
     [
         ("Temperatura", 21.0, "ambient"),
         ("Temperature [K]", 253.15, "ambient"),
@@ -361,7 +361,7 @@ def test_written_like_the_others(tmp_path: Path) -> None:
     ],
 )
 def test_a_constant_temperature_is_proposed_as_ambient(
-    tmp_path: Path, title: str, values: Any, found: str
+    tmp_path: Path, title: str, values: Any, result: str
 ) -> None:
     t = np.linspace(0.0, 4.0, 401)
     x = 30.0 * np.sin(2.0 * np.pi * t)
@@ -371,9 +371,9 @@ def test_a_constant_temperature_is_proposed_as_ambient(
     lines += [",".join(f"{number:.6g}" for number in row) for row in rows]
     file.write_text("\n".join(lines), encoding="utf-8")
     (item,) = tb.inspect_files(file).files
-    assert item.columns[3].holds == found
-    assert item.sidecar["columns"].get("ambient") == (title if found == "ambient" else None)
-    if found == "ambient":
+    assert item.columns[3].holds == result
+    assert item.sidecar["columns"].get("ambient") == (title if result == "ambient" else None)
+    if result == "ambient":
         unit = 273.15 if "[K]" in title else 0.0
         assert item.record.ambient == pytest.approx(values - unit)
 
@@ -502,11 +502,11 @@ def test_a_template_is_read_without_questions(tmp_path: Path) -> None:
     record = dataclasses.replace(record, temperatures=warm, places=places)
     about = {"name": "低温 20", "ambient": -20, "laboratory": "Prüfstelle Málaga", "scragged": "no"}
     fill_template(path, record, about | {"specimen": "S-7", "date": datetime(2026, 10, 2)})
-    (found,) = tb.inspect_files(path, "shen-lhdr-specimen").files
-    read = found.record
+    (result,) = tb.inspect_files(path, "shen-lhdr-specimen").files
+    read = result.record
     assert read.assumptions == ()
-    assert {finding.level for finding in found.report.findings} == {"note"}
-    assert not any(column.assumed for column in found.columns)
+    assert {finding.level for finding in result.report.findings} == {"note"}
+    assert not any(column.assumed for column in result.columns)
     assert_allclose(read.time, record.time, rtol=1e-15)
     assert_allclose(read.force, record.force, rtol=1e-15)
     assert_allclose(read.temperatures["Lead [°C]"], warm["T2"], rtol=1e-15)
@@ -547,8 +547,8 @@ def test_a_template_with_a_wrong_value(
     fill_template(path, tb.record_from_arrays(t, x, 2.0 * x, 23.0), {key: value})
     with pytest.raises(tb.InputError, match=reported):
         load_test(path)
-    status, said = invoke("intake", "--template", path)
-    assert (status, "exists" in said) == (2, True)
+    status, output = invoke("intake", "--template", path)
+    assert (status, "exists" in output) == (2, True)
     with pytest.raises(tb.InputError, match=r"must end with \.xlsx"):
         write_template(tmp_path / "test.csv")
 

@@ -31,12 +31,12 @@ def is_kernel(node: ast.AST) -> bool:
 
 
 def taken_from(tree: ast.Module) -> dict[str, Path]:
-    found = {}
+    result = {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("thermobearing."):
             path = PACKAGE.parent / f"{str(node.module).replace('.', '/')}.py"
-            found |= {alias.asname or alias.name: path for alias in node.names}
-    return found
+            result |= {alias.asname or alias.name: path for alias in node.names}
+    return result
 
 
 def test_cache_key_covers_all_that_kernels_use() -> None:
@@ -65,13 +65,13 @@ def test_cache_key_leaves_out_what_has_no_kernels() -> None:
 
 
 def record_classes() -> list[type]:
-    found = [
+    result = [
         value
         for module in (types, structure_types)
         for value in vars(module).values()
         if isinstance(value, type) and value.__module__ == module.__name__
     ]
-    return [value for value in found if not issubclass(value, tuple)]
+    return [value for value in result if not issubclass(value, tuple)]
 
 
 @pytest.mark.parametrize("record", record_classes(), ids=lambda record: record.__name__)

@@ -56,11 +56,11 @@ def integrated(z: float, increment: float, curvature: float) -> float:
 @pytest.mark.parametrize("increment", [-1.5, -0.2, 0.3, 2.0])
 def test_exact_increment_solves_its_equation(shape: float, z: float, increment: float) -> None:
     curvature = (1.0 - shape) / ((1.0 + shape) * D_Y**2)
-    found, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, curvature)
-    assert_allclose(found, integrated(z, increment, curvature), atol=tol.RUNGE_KUTTA)
+    result, slope = exact_increment(z, increment, D_Y, 1.0 / D_Y, curvature)
+    assert_allclose(result, integrated(z, increment, curvature), atol=tol.RUNGE_KUTTA)
     step = math.copysign(1e-6, increment)
     ahead, _ = exact_increment(z, increment + step, D_Y, 1.0 / D_Y, curvature)
-    assert_allclose((ahead - found) / step, slope, atol=1e-5)
+    assert_allclose((ahead - result) / step, slope, atol=1e-5)
 
 
 def test_euler_increment_by_hand() -> None:
@@ -245,8 +245,8 @@ def test_half_stack_of_the_specimen() -> None:
 def test_cells_beside_the_middle_of_a_layer(cells: int, upper: int, lower: int) -> None:
     bearing = HDR.model_copy(update={"cells": HDR.cells.model_copy(update={"rubber": cells})})
     stack = build_stack(bearing, half=True)
-    found = [row - stack.layers["first"] for row in stack.middles()]
-    assert_allclose(found, [[upper] * 3, [lower] * 3])
+    result = [row - stack.layers["first"] for row in stack.middles()]
+    assert_allclose(result, [[upper] * 3, [lower] * 3])
 
 
 def test_lead_reaches_from_plate_to_plate() -> None:

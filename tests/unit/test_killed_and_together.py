@@ -182,6 +182,6 @@ def test_two_processes_with_one_target(tmp_path: Path) -> None:
         )
         for name in "AB"
     ]
-    said = [process.communicate()[1] for process in both]
-    assert [process.returncode for process in both] == [0, 0], said
+    output = [process.communicate()[1] for process in both]
+    assert [process.returncode for process in both] == [0, 0], output
     assert [path.name for path in tmp_path.iterdir()] == ["out"]

@@ -43,8 +43,8 @@ ARGUMENTS: dict[str, tuple[Callable[[Floats], Floats], Floats]] = {
 
 def of_lanes(function: Any) -> Any:
     @compiled
-    def kernel(x: Floats, found: Floats) -> None:
-        given, wanted = as_lanes(x, WIDTH), as_lanes(found, WIDTH)
+    def kernel(x: Floats, result: Floats) -> None:
+        given, wanted = as_lanes(x, WIDTH), as_lanes(result, WIDTH)
         for i in range(len(given)):
             wanted[i] = function(given[i])
 
@@ -54,26 +54,26 @@ def of_lanes(function: Any) -> Any:
 @pytest.mark.parametrize("name", quick_cases(ARGUMENTS, 0, 4, 5))
 def test_functions_of_lanes_are_those_of_numbers(name: str) -> None:
     known, x = ARGUMENTS[name]
-    found = aligned((COUNT // WIDTH, WIDTH), np.float64)
-    of_lanes(getattr(math, name))(x.reshape(-1, WIDTH), found)
+    result = aligned((COUNT // WIDTH, WIDTH), np.float64)
+    of_lanes(getattr(math, name))(x.reshape(-1, WIDTH), result)
     wanted = known(x)
-    units = np.abs(found.ravel() - wanted) / np.spacing(np.abs(wanted))
+    units = np.abs(result.ravel() - wanted) / np.spacing(np.abs(wanted))
     assert units.max() <= tol.LANE_FUNCTION
     assert pytest.approx(math.tan(math.pi / 8.0)) == functions.TAN_PI_8
 
 
 def test_functions_of_lanes_at_their_ends() -> None:
     x = np.array([[math.nan, 0.0, -0.0, math.inf, -math.inf, 1.0, 720.0, -800.0][:WIDTH]])
-    found = aligned((1, WIDTH), np.float64)
-    of_lanes(math.exp)(x, found)
-    assert_array_equal(found[0, :5], [math.nan, 1.0, 1.0, math.inf, 0.0])
-    assert found[0, 6] == math.inf
-    assert found[0, 7] == 0.0
-    of_lanes(math.tanh)(x, found)
-    assert_array_equal(found[0, :5], [math.nan, 0.0, -0.0, 1.0, -1.0])
-    assert math.copysign(1.0, found[0, 2]) == -1.0
-    of_lanes(math.log)(x, found)
-    assert_array_equal(found[0, :3], [math.nan, -math.inf, -math.inf])
+    result = aligned((1, WIDTH), np.float64)
+    of_lanes(math.exp)(x, result)
+    assert_array_equal(result[0, :5], [math.nan, 1.0, 1.0, math.inf, 0.0])
+    assert result[0, 6] == math.inf
+    assert result[0, 7] == 0.0
+    of_lanes(math.tanh)(x, result)
+    assert_array_equal(result[0, :5], [math.nan, 0.0, -0.0, 1.0, -1.0])
+    assert math.copysign(1.0, result[0, 2]) == -1.0
+    of_lanes(math.log)(x, result)
+    assert_array_equal(result[0, :3], [math.nan, -math.inf, -math.inf])
 
 
 @compiled
@@ -89,17 +89,17 @@ def halved(x: float, limit: float) -> float:
 
 
 @compiled
-def halved_lanes(x: Floats, limit: float, found: Floats) -> None:
-    as_lanes(found, WIDTH)[0] = halved(as_lanes(x, WIDTH)[0], limit)
+def halved_lanes(x: Floats, limit: float, result: Floats) -> None:
+    as_lanes(result, WIDTH)[0] = halved(as_lanes(x, WIDTH)[0], limit)
 
 
 def test_a_loop_ends_when_all_have_what_they_want() -> None:
     x = np.array([3.0 ** (k + 1) for k in range(WIDTH)])
     x[2] = math.nan
-    found = aligned((1, WIDTH), np.float64)
-    halved_lanes(x.reshape(1, -1), 0.7, found)
+    result = aligned((1, WIDTH), np.float64)
+    halved_lanes(x.reshape(1, -1), 0.7, result)
     alone = [halved(one, 0.7) for one in x]
-    assert_array_equal(found[0], alone)
+    assert_array_equal(result[0], alone)
     assert alone[2] == 1.0
     assert len(set(alone)) > 3
     plain: Any = halved

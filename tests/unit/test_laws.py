@@ -97,8 +97,8 @@ def test_the_table_is_the_function() -> None:
     bearing = tb.changed_bearing(HDR, temperature_law={"law": "wlf", "parameters": {"c1": 5.0}})
     pieces = build_model(bearing).constants.law
     at = np.random.default_rng(1).uniform(-40.0, 100.0, 200)
-    found = np.exp([tabled(pieces, float(t))[:2] for t in at])
-    assert_allclose(found, [williams_landel_ferry(t, 5.0) for t in at], rtol=2e-7)
+    result = np.exp([tabled(pieces, float(t))[:2] for t in at])
+    assert_allclose(result, [williams_landel_ferry(t, 5.0) for t in at], rtol=2e-7)
     below = [tabled(pieces, t)[:2] for t in (-40.0, -50.0, -60.0)]  # with the slope at the end
     assert_allclose(np.diff(below, 2, axis=0), 0.0, atol=1e-9)
     assert law.parameters == {"c1": 4.0, "c2": 80.0}
@@ -108,8 +108,8 @@ def test_a_law_may_bend() -> None:
     tb.laws.register("bent", temperature=lambda t: (math.exp(0.1 * max(1.7 - t, 0.0)), 1.0))
     pieces = _law_pieces(tb.changed_bearing(HDR, law="bent").temperature_law)
     at = [1.7 + step for step in (-1.0, -1e-2, -1e-4, -1e-6, 0.0, 1e-6, 1e-4, 1e-2, 1.0)]
-    found = [tabled(pieces, t)[0] for t in at]
-    assert_allclose(found, [0.1 * max(1.7 - t, 0.0) for t in at], rtol=0.0, atol=2e-7)
+    result = [tabled(pieces, t)[0] for t in at]
+    assert_allclose(result, [0.1 * max(1.7 - t, 0.0) for t in at], rtol=0.0, atol=2e-7)
 
 
 def no_default(temperature: float, slope: float) -> tuple[float, float]:
@@ -259,14 +259,14 @@ def test_parameters_are_calibrated(law_file: Path) -> None:
         start, temperature_law={"parameters": {"elastic": 400.0, "hysteretic": 700.0}}
     )
     records = [tb.synthetic_record(truth, at, SHORT, noise=0.002) for at in (-20.0, 20.0)]
-    found = tb.identify_bearing(records, start, starts=1, start_from="bearing")  # free by default
-    estimates = found.uncertainty.estimates
+    result = tb.identify_bearing(records, start, starts=1, start_from="bearing")  # free by default
+    estimates = result.uncertainty.estimates
     assert not {M_T, N_T} & set(estimates)
     error = estimates["temperature_law.parameters.hysteretic"].stderr
     assert (
         abs(estimates["temperature_law.parameters.hysteretic"].value - 700.0) < 4.0 * error < 80.0
     )
-    law = found.bearing.temperature_law
+    law = result.bearing.temperature_law
     assert law is not None
     assert law.parameters is not None
     assert law.parameters["elastic"] == pytest.approx(400.0, rel=0.02)
@@ -410,9 +410,9 @@ def test_laws_in_a_hybrid_test(both: tb.Bearing) -> None:
 @pytest.mark.thorough
 def test_a_law_of_hysteresis_in_processes_of_a_study(tmp_path: Path) -> None:
     path = tmp_path / "dahl.py"
-    found = re.search(r"```python\n(# dahl\.py\n.*?)```", GUIDE.read_text(), re.DOTALL)
-    assert found is not None
-    path.write_text(found[1])
+    result = re.search(r"```python\n(# dahl\.py\n.*?)```", GUIDE.read_text(), re.DOTALL)
+    assert result is not None
+    path.write_text(result[1])
     tb.laws.load(path)
     mine = tb.changed_bearing("shen-hdr-bridge", law="dahl")
     study = small_study({"duration": "1 s"}, bearing=[mine])
@@ -537,10 +537,10 @@ def test_sources_are_those_of_the_law() -> None:
 
 
 def test_the_register_states_every_choice() -> None:
-    found = [(law.key, law.value) for law in laws.built_in_laws().values()]
+    result = [(law.key, law.value) for law in laws.built_in_laws().values()]
     expected = {"small_loops": SmallLoops, "hardening_form": Hardening}
     for key, choices in expected.items():
-        values = tuple(value for one, value in found if one == f"hysteresis.{key}")
+        values = tuple(value for one, value in result if one == f"hysteresis.{key}")
         assert values == get_args(choices)
 
 
@@ -670,10 +670,10 @@ def test_a_study_without_its_law_is_another_study(law_file: Path, tmp_path: Path
 def test_a_parameter_of_hysteresis_is_calibrated(with_own: tb.Bearing) -> None:
     truth = tb.changed_bearing(with_own, hysteresis_law={"parameters": {"shape": -0.6}})
     record = tb.synthetic_record(truth, 20.0, SHORT, noise=0.002)
-    found = tb.identify_bearing(
+    result = tb.identify_bearing(
         record, with_own, free=["eq-4.35.shape", "K_r"], starts=1, start_from="bearing"
     )
-    law = found.bearing.hysteresis_law
+    law = result.bearing.hysteresis_law
     assert law is not None
     assert law.parameters is not None
     assert law.parameters["shape"] == pytest.approx(-0.6, abs=0.01)

@@ -68,9 +68,9 @@ def test_a_file_that_is_based_on_another_has_what_differs(tmp_path: Path) -> Non
     write_toml(tmp_path / "above.toml", above)
     assert tb.load_bearing(path).total_rubber_thickness == 28.0
     assert check_file(path).kind == "bearing"
-    for base_of, said in (("mine.toml", "based on each other"), ("shen-x", "shen-x"), (3, "= 3")):
+    for base_of, output in (("mine.toml", "based on each other"), ("shen-x", "shen-x"), (3, "= 3")):
         write_toml(tmp_path / "above.toml", above | {"based_on": base_of})
-        with pytest.raises(tb.InputError, match=said):
+        with pytest.raises(tb.InputError, match=output):
             tb.load_bearing(path)
 
 
@@ -193,7 +193,7 @@ def test_plans_and_records_are_taken_whole() -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "said"),
+    ("changes", "message"),
     [
         ({"hysteresis": {"layer_stiffness": -40.0}}, "hysteresis.layer_stiffness = -40.0"),
         ({"hysteresis": {"stiffnes": 1.0}}, 'unknown key "hysteresis.stiffnes"'),
@@ -201,10 +201,10 @@ def test_plans_and_records_are_taken_whole() -> None:
         ({"lead": None, "kind": "LHDR"}, "needs the tables lead"),
     ],
 )
-def test_nonsense_is_refused(changes: dict[str, object], said: str) -> None:
+def test_nonsense_is_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(tb.InputError, match="changed_bearing") as reported:
         tb.changed_bearing(SPECIMEN, **changes)
-    assert said in str(reported.value)
+    assert message in str(reported.value)
 
 
 def test_a_file_reads_back_and_is_not_written_over(tmp_path: Path) -> None:

@@ -58,8 +58,8 @@ for file in FILES:
 
 
 def limits(model: type[BaseModel], name: str) -> tuple[list[float], list[float]]:
-    found = list(parts(model.model_fields[name]))
-    instances = [part for part in found if not isinstance(part, type)]
+    result = list(parts(model.model_fields[name]))
+    instances = [part for part in result if not isinstance(part, type)]
 
     def _stated(*names: str) -> list[float]:
         return [getattr(part, name) for part in instances for name in names if hasattr(part, name)]
@@ -155,7 +155,7 @@ class Walk(Strict):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"length": 0.0}, "length = 0.0: must be a number greater than 0 mm"),
         ({"share": -0.1}, "share = -0.1: must be a number at least 0 and less than 1"),
@@ -170,8 +170,8 @@ class Walk(Strict):
         ({"lenght": 2.0}, 'unknown key "lenght"; did you mean "length"?'),
     ],
 )
-def test_what_is_allowed(given: dict[str, Any], said: str) -> None:
-    assert_refused(lambda: Walk(**given), said)
+def test_what_is_allowed(given: dict[str, Any], message: str) -> None:
+    assert_refused(lambda: Walk(**given), message)
 
 
 @pytest.mark.parametrize("given", [{"length": 1e12}, {"length": 1e-12}, {"drift": 1e-300}])
@@ -226,12 +226,12 @@ TABLES: dict[str, tuple[Callable[[Path], Path], str]] = {
 def test_a_table_is_refused_in_time(
     tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write, said = TABLES[kind]
+    write, output = TABLES[kind]
     if kind == "empty rows":
         monkeypatch.setattr(sheets, "MOST_ROWS", 20_000)
     path = write(tmp_path / "t.csv")
     begun = time.process_time()
-    with pytest.raises(tb.InputError, match=said):
+    with pytest.raises(tb.InputError, match=output):
         load_test(path)
     assert time.process_time() - begun < SOON
 
@@ -255,7 +255,7 @@ def test_the_widest_table_is_read_in_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         ("a" + ".a" * 100_000 + " = 1", "line 1: a key of more than 50 parts"),
         ("[" + "a." * 100_000 + "a]\n", "line 1: a key of more than 50 parts"),
@@ -265,10 +265,10 @@ def test_the_widest_table_is_read_in_time(tmp_path: Path) -> None:
     ],
     ids=["dotted key", "dotted header", "dotted key inside", "keys", "tables"],
 )
-def test_toml_is_refused_in_time(tmp_path: Path, content: str, said: str) -> None:
+def test_toml_is_refused_in_time(tmp_path: Path, content: str, message: str) -> None:
     path = text(content)(tmp_path / "d.toml")
     begun = time.process_time()
-    with pytest.raises(tb.InputError, match=said):
+    with pytest.raises(tb.InputError, match=message):
         read_toml(path)
     assert time.process_time() - begun < SOON
 

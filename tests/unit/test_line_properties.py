@@ -412,19 +412,19 @@ def test_modes_have_the_damping_of_the_bearings_by_their_strain_energy(
 ) -> None:
     """What springs and hinges do not store of the energy of a mode, the bearings damp."""
     lines = line_properties(pier)
-    found = hysteretic_ratios(pier, lines)
+    result = hysteretic_ratios(pier, lines)
     warm = lines[lines["ambient_degC"] == 23.0].set_index("bearing")["h_eff"]
     structure, matrices, rigid = stiffness_without_bearings(pier)
     equivalent = np.array([line.equivalent_stiffness for line in structure.bearings])
     modes = find_modes(matrices.mass, rigid + line_stiffness(structure, matrices, equivalent))
-    for name, ratios in found.items():
+    for name, ratios in result.items():
         for k, (ratio, shape) in enumerate(zip(ratios, modes.shapes.T, strict=True)):
             others = shape @ rigid @ shape / modes.frequencies[k] ** 2
             assert_allclose(ratio, warm[name] * (1.0 - others), rtol=1e-9, atol=1e-12)
-    table, frame = periods_table(pier, found, mode_limit=3)
+    table, frame = periods_table(pier, result, mode_limit=3)
     assert (len(table.rows), len(frame)) == (3, 4)
-    assert_allclose(frame[f"hysteretic_{HDR}"], found[HDR])
-    assert 0.3 * warm[HDR] < found[HDR][0] < 0.4 * warm[HDR]  # the foundation has the most
+    assert_allclose(frame[f"hysteretic_{HDR}"], result[HDR])
+    assert 0.3 * warm[HDR] < result[HDR][0] < 0.4 * warm[HDR]  # the foundation has the most
 
 
 def test_both_initial_stiffnesses_have_their_number_beside_them(pier: EarthquakeResult) -> None:

@@ -237,18 +237,18 @@ def test_a_pier_beyond_its_limits_ends_as_that(tmp_path: Path) -> None:
         run_shard(Plan(study.model_copy(update={"design": one})), rows)
         for one in (study.design, side)
     )
-    for found in (alone, together):
-        assert found["outcome"].tolist() == ["completed", "pier_beyond_limit"]
-        pier = counted(found, "pier_ductility")
+    for actual in (alone, together):
+        assert actual["outcome"].tolist() == ["completed", "pier_beyond_limit"]
+        pier = counted(actual, "pier_ductility")
         assert (pier.left_out, pier.collapsed) == (0, 1)
         assert pier.demand[1] == np.inf
         # The bearing is computed to the end of the motion, if a bearing of failed piers is wanted.
-        strain = counted(found, "bearing_strain_max")
+        strain = counted(actual, "bearing_strain_max")
         assert (strain.left_out, strain.computed) == (0, 1)
-        assert_array_equal(strain.demand, found["bearing_strain_max"])
-        strain = counted(found, "bearing_strain_max", "left-out")
+        assert_array_equal(strain.demand, actual["bearing_strain_max"])
+        strain = counted(actual, "bearing_strain_max", "left-out")
         assert (strain.left_out, strain.computed) == (1, 0)
-        assert_array_equal(strain.demand, found["bearing_strain_max"][:1])
+        assert_array_equal(strain.demand, actual["bearing_strain_max"][:1])
 
 
 @pytest.mark.parametrize(
@@ -258,8 +258,8 @@ def test_a_pier_beyond_its_limits_ends_as_that(tmp_path: Path) -> None:
 def test_limits_of_piers_are_keys_of_the_structure(limits: dict[str, Any], outcome: str) -> None:
     task = build_tasks(make_case(two_piers() | {"limits": limits}))[0]
     yields = 0.003 * 1.02
-    found = find_outcome(task, [1.0, 1.0], [yields], [9.0, 0.0])
-    assert found == (outcome or "completed")
+    result = find_outcome(task, [1.0, 1.0], [yields], [9.0, 0.0])
+    assert result == (outcome or "completed")
     assert find_outcome(task, [1.0, 1.0], [yields], [9.0, 1001.0]) == "pier_beyond_limit"
     assert find_outcome(task, [1e5, 1.0], [yields], [9.0, 0.0]) == "not_physical"
 
@@ -338,7 +338,7 @@ def test_lines_of_another_bearing_are_reported_about_with_their_own_numbers() ->
 
 
 @pytest.mark.parametrize(
-    ("lines", "said"),
+    ("lines", "message"),
     [
         ([{"line": "on C"}], 'no bearing line is called "on C"; did you mean'),
         ([{"line": "on A"}, {"line": "on A"}], "more than once"),
@@ -348,8 +348,8 @@ def test_lines_of_another_bearing_are_reported_about_with_their_own_numbers() ->
         ([{"line": f"on {k}", "bearing": "lrb-example"} for k in "AB"], "is not used"),
     ],
 )
-def test_lines_that_cannot_be(lines: Any, said: str) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_lines_that_cannot_be(lines: Any, message: str) -> None:
+    with pytest.raises(tb.InputError, match=message):
         make_case(two_piers(), lines=lines)
 
 
@@ -409,18 +409,18 @@ def test_air_of_lines_is_added_to_that_of_the_run() -> None:
     given: dict[str, Any] = {"structure": make_bridge(two_piers()), **MOTION, "duration": 2.0}
     lines = [{"line": name, "ambient": "-5 degC"} for name in ("on A", "on B")]
     plain = tb.bridge("shen-hdr-bridge", ambient=-5, **given)
-    said = tb.bridge("shen-hdr-bridge", ambient=-5, lines=lines, **given)
-    assert_array_equal(said["line_force"], plain["line_force"])
+    output = tb.bridge("shen-hdr-bridge", ambient=-5, lines=lines, **given)
+    assert_array_equal(output["line_force"], plain["line_force"])
     other = tb.bridge("shen-hdr-bridge", ambient=23, lines=lines, **given)
     assert_allclose(other["line_force"], plain["line_force"], rtol=1e-6)
 
 
 def test_a_run_with_several_cold_lines_leaves_the_law_once() -> None:
     """Two lines of one bearing in one run; before, lines were counted and called runs."""
-    said = tb.bridge(
+    output = tb.bridge(
         "shen-hdr-bridge", ambient=[-30.0], structure=make_bridge(two_piers()), **MOTION
     )
-    (law,) = [text for text in said.warnings if "temperature law" in text]
+    (law,) = [text for text in output.warnings if "temperature law" in text]
     assert "; in jra-ii-i-1 at -30 degC)" in law  # of one run, not of several
 
 
@@ -486,9 +486,9 @@ def test_a_study_says_what_is_not_usual_in_its_bearing_and_structure() -> None:
     odd = bearing.model_copy(update={"name": "odd", "hysteresis": soft})
     light = two_piers()
     light["masses"][0]["mass"] = "400 kg"
-    said = tb.bridge(odd, ambient=[23.0], structure=make_bridge(light), **MOTION).warnings
-    assert any(text.startswith("odd: shear modulus K_r t_r / A") for text in said), said
-    assert any(text.startswith("mass of the deck = 0.4 t") for text in said), said
+    output = tb.bridge(odd, ambient=[23.0], structure=make_bridge(light), **MOTION).warnings
+    assert any(text.startswith("odd: shear modulus K_r t_r / A") for text in output), output
+    assert any(text.startswith("mass of the deck = 0.4 t") for text in output), output
 
 
 def test_histories_of_every_pier_and_line(study: tb.EarthquakeResult) -> None:

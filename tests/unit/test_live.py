@@ -48,8 +48,8 @@ def test_a_module_of_these_sources_is_taken(
 
 
 def test_fields_have_the_limits_of_files() -> None:
-    found = data._fields([load_bearing("lrb-example"), load_bearing("shen-lhdr-specimen")])
-    layers, side = found["geometry.rubber_layers"], found["geometry.plan.side"]
+    result = data._fields([load_bearing("lrb-example"), load_bearing("shen-lhdr-specimen")])
+    layers, side = result["geometry.rubber_layers"], result["geometry.plan.side"]
     assert (layers["low"], layers["high"], layers["integer"], layers["unit"]) == (
         1,
         200,
@@ -57,8 +57,8 @@ def test_fields_have_the_limits_of_files() -> None:
         None,
     )
     assert (side["low"], side["high"], side["unit"]) == (1.0, 1e5, "mm")
-    assert found["hysteresis.shape"]["low"] == -0.999
-    assert set(found) >= {"geometry.plan.diameter", "lead.yield_stress", "rate.damping"}
+    assert result["hysteresis.shape"]["low"] == -0.999
+    assert set(result) >= {"geometry.plan.diameter", "lead.yield_stress", "rate.damping"}
 
 
 def test_numbers_of_a_bearing_are_those_of_its_file() -> None:

@@ -30,9 +30,9 @@ def html() -> str:
 
 
 def within(html: str, name: str) -> str:
-    found = re.search(rf'<script [^>]*id="{name}">(.*?)</script>', html, re.DOTALL)
-    assert found is not None
-    return found[1]
+    result = re.search(rf'<script [^>]*id="{name}">(.*?)</script>', html, re.DOTALL)
+    assert result is not None
+    return result[1]
 
 
 def test_the_policy_allows_only_this_script_and_this_style(html: str) -> None:
@@ -93,12 +93,12 @@ def test_powers_of_sizes_are_the_scaling_rules(name: str) -> None:
     after = resized(before, geometry, core)
 
     def _sizes(bearing: Bearing) -> dict[str, float]:
-        found = {
+        result = {
             "net_area": bearing.area - bearing.lead_area,
             "layer": bearing.geometry.rubber_thickness,
             "height": bearing.total_rubber_thickness,
         }
-        return found | ({"core_area": bearing.lead.core_area} if bearing.lead else {})
+        return result | ({"core_area": bearing.lead.core_area} if bearing.lead else {})
 
     old, new = _sizes(before), _sizes(after)
     for path, powers in EXPONENTS.items():
@@ -108,8 +108,8 @@ def test_powers_of_sizes_are_the_scaling_rules(name: str) -> None:
         factor = 1.0
         for size, power in powers.items():
             factor *= (new[size] / old[size]) ** power
-        found = getattr(getattr(after, table), key)
-        assert found == pytest.approx(factor * getattr(getattr(before, table), key))
+        result = getattr(getattr(after, table), key)
+        assert result == pytest.approx(factor * getattr(getattr(before, table), key))
 
 
 def test_without_kernels_the_command_says_what_to_run(

@@ -41,8 +41,8 @@ HALVED = f"{MOTION}-x0.5"  # as a result names it
 
 def content(section: Live | None) -> dict[str, Any]:
     assert section is not None
-    found: dict[str, Any] = json.loads(gzip.decompress(base64.b64decode(section.data)))
-    return found
+    result: dict[str, Any] = json.loads(gzip.decompress(base64.b64decode(section.data)))
+    return result
 
 
 def shaken(bearings: Any = BRIDGE, motion: Any = MOTION, **options: Any) -> Any:
@@ -52,46 +52,46 @@ def shaken(bearings: Any = BRIDGE, motion: Any = MOTION, **options: Any) -> Any:
 def test_a_test_has_the_numbers_that_are_printed() -> None:
     result = tb.run(HDR, TEST, ambient=[-20.0, 23.0])
     section = live.live_section(result)
-    found = content(section)
+    actual = content(section)
     assert section is not None
     assert section.runs == ["−20 °C", "23 °C"]
     assert section.strain
-    assert found["strain"] == pytest.approx(1.0)
-    assert found["test"] == {"dt_s": 0.05, "steps": live.engine_steps(TEST)}
+    assert actual["strain"] == pytest.approx(1.0)
+    assert actual["test"] == {"dt_s": 0.05, "steps": live.engine_steps(TEST)}
     cycles = result.cycles[result.cycles["ambient_degC"] == 23.0]
-    numbers = found["runs"][1]["numbers"]
+    numbers = actual["runs"][1]["numbers"]
     for which, place in (("first", 0), ("last", -1)):
         assert numbers[f"{which}.stiffness_kN_mm"] == cycles["K_eq_kN_mm"].iloc[place]
-    keys = [row["key"] for row in found["rows"]]
+    keys = [row["key"] for row in actual["rows"]]
     assert set(numbers) <= set(keys)
-    assert {row["ratio"] for row in found["rows"] if "temperature" in row["key"]} == {False}
+    assert {row["ratio"] for row in actual["rows"] if "temperature" in row["key"]} == {False}
 
 
 def test_a_bridge_has_its_peaks_and_as_many_motions_as_fit(monkeypatch: pytest.MonkeyPatch) -> None:
     motions = [{"name": MOTION, "factor": 0.5}, "jra-ii-ii-1"]
     result = shaken(["shen-bilinear-bridge", BRIDGE], motions)
-    found = content(live.live_section(result))
-    assert found["engine"]["bearings"] == [BRIDGE]
-    assert found["factors"] == {HALVED: 0.5, "jra-ii-ii-1": 1.0}
-    assert [run["motion"] for run in found["runs"]] == [
+    actual = content(live.live_section(result))
+    assert actual["engine"]["bearings"] == [BRIDGE]
+    assert actual["factors"] == {HALVED: 0.5, "jra-ii-ii-1": 1.0}
+    assert [run["motion"] for run in actual["runs"]] == [
         HALVED,
         HALVED,
         "jra-ii-ii-1",
         "jra-ii-ii-1",
     ]
     row = result.table[result.table["bearing"] == BRIDGE].iloc[1]
-    assert found["runs"][1]["numbers"]["bearing_force_kN"] == row["bearing_force_max_kN"]
+    assert actual["runs"][1]["numbers"]["bearing_force_kN"] == row["bearing_force_max_kN"]
     monkeypatch.setattr(live, "MOST_SAMPLES", 150)
     assert {run["motion"] for run in content(live.live_section(result))["runs"]} == {HALVED}
 
 
 def test_a_motion_that_is_cut_within_an_interval_is_sampled_more_finely() -> None:
-    found = content(
+    result = content(
         live.live_section(shaken(motion={"name": MOTION, "factor": 2.0}, duration=0.995))
     )
-    assert found["factors"] == {f"{MOTION}-x2": 1.0}
-    assert found["engine"]["motions"][f"{MOTION}-x2"]["dt_s"] == 0.005
-    assert found["engine"]["motions"][f"{MOTION}-x2"]["acceleration_mm_s2"]["shape"] == [200]
+    assert result["factors"] == {f"{MOTION}-x2": 1.0}
+    assert result["engine"]["motions"][f"{MOTION}-x2"]["dt_s"] == 0.005
+    assert result["engine"]["motions"][f"{MOTION}-x2"]["acceleration_mm_s2"]["shape"] == [200]
 
 
 @pytest.mark.parametrize(

@@ -201,8 +201,8 @@ def test_pairs_on_the_command_line(tmp_path: Path) -> None:
     assert "--resample" in command("bridge", *words, *unequal, "-o", tmp_path / "no").stderr
     done = command("bridge", *words, *unequal, "--resample", "-o", tmp_path / "resampled")
     assert done.exit_code == 0, done.stderr
-    said = command("bridge", out / "case.resolved.toml", "--angle", "30 deg").stderr
-    assert "case.resolved.toml states" in said.replace("\n", " ")
+    output = command("bridge", out / "case.resolved.toml", "--angle", "30 deg").stderr
+    assert "case.resolved.toml states" in output.replace("\n", " ")
     checked = command("check", tmp_path / "resampled" / "case.resolved.toml").output
     assert "1, average-acceleration" in checked
 
@@ -220,13 +220,13 @@ def test_rotation_measures_of_an_analysis_are_over_its_angles() -> None:
     result = tb.bridge("shen-bilinear-bridge", motions, [23, 0], duration=15)
     case = tomllib.loads(result.dataset.attrs["case"])
     name = "bearing_strain_max"
-    found = rotation_frame(result.table, case["motions"], ["bearing", "ambient_degC"], [name])
+    actual = rotation_frame(result.table, case["motions"], ["bearing", "ambient_degC"], [name])
     runs = result.table[result.table["ambient_degC"] == 0.0]
     peaks = dict(zip(runs["motion"], runs[name], strict=True))
     turned = [peaks[f"jra-ii-i-1+jra-ii-i-2 at {angle} deg"] for angle in (0, 60, 120, 180)]
     assert turned[0] == turned[3]
     assert len(set(turned)) == 3
-    cold = found[found["ambient_degC"] == 0.0].set_index("measure")
+    cold = actual[actual["ambient_degC"] == 0.0].set_index("measure")
     assert list(cold["motion"]) == ["jra-ii-i-1+jra-ii-i-2"] * 2
     assert list(cold["angles"]) == [3, 3]
     assert cold[name].to_dict() == {"RotD50": np.median(turned[:3]), "RotD100": max(turned)}
@@ -235,7 +235,7 @@ def test_rotation_measures_of_an_analysis_are_over_its_angles() -> None:
     assert not len(rotation_frame(result.table, case["motions"][:1], ["bearing"], [name]))
     pd.testing.assert_frame_equal(
         rotation_measures_frame(result)[["motion", "measure", name]],
-        found[["motion", "measure", name]],
+        actual[["motion", "measure", name]],
     )
 
 
@@ -252,10 +252,10 @@ def test_a_structure_in_one_direction_says_what_moves_it(tmp_path: Path) -> None
 def test_a_structure_in_plan_has_measures_of_each_direction() -> None:
     motion = BOTH | {"angle": ["0 deg", "90 deg"]}
     result = tb.bridge("shen-bilinear-bridge", motion, 23, duration=2, structure="five-span-bridge")
-    found = rotation_measures_frame(result).set_index(["direction", "measure"])
+    actual = rotation_measures_frame(result).set_index(["direction", "measure"])
     runs = result.by_direction()
     for direction in ("x", "y", "resultant"):
         peaks = runs.loc[runs["direction"] == direction, "bearing_strain_max"]
-        assert found.loc[(direction, "RotD100"), "bearing_strain_max"] == peaks.max()
-        assert found.loc[(direction, "RotD50"), "bearing_strain_max"] == peaks.median()
+        assert actual.loc[(direction, "RotD100"), "bearing_strain_max"] == peaks.max()
+        assert actual.loc[(direction, "RotD50"), "bearing_strain_max"] == peaks.median()
     assert not [note for note in result.notes() if "motions" in note]

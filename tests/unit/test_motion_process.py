@@ -221,17 +221,17 @@ def test_every_motion_has_its_own_noise() -> None:
 def test_envelope_rises_stays_and_dies_away() -> None:
     shape = synthesis.SHAPES["II"]
     time = np.array([4.0, 5.0, 7.0, 9.0, 12.0, 15.5])
-    found = shape._envelope(time)
-    assert_allclose(found, [0.0, 0.0, 0.25, 1.0, 1.0, np.exp(-1.0)], rtol=tol.LOOP)
+    result = shape._envelope(time)
+    assert_allclose(result, [0.0, 0.0, 0.25, 1.0, 1.0, np.exp(-1.0)], rtol=tol.LOOP)
 
 
 def test_peaks_come_when_they_are_reported_to() -> None:
     """A pulse up after 1 s, one down after 3 s: a stiff oscillator follows the ground."""
     values = np.zeros(500)
     values[100], values[300] = 500.0, -800.0
-    found = response_spectrum(record.GroundMotion("pulses", 0.01, values), [0.0])
-    assert_allclose(found.peaks[:, 0], [500.0, 800.0])
-    assert_allclose(found.peak_times[:, 0], [1.0, 3.0])
+    result = response_spectrum(record.GroundMotion("pulses", 0.01, values), [0.0])
+    assert_allclose(result.peaks[:, 0], [500.0, 800.0])
+    assert_allclose(result.peak_times[:, 0], [1.0, 3.0])
     damped = response_spectrum(record.GroundMotion("pulses", 0.01, values), [0.05], 0.9)
     assert_allclose(damped.peak_times[:, 0], [1.0, 3.0], atol=0.05)
 
@@ -254,11 +254,11 @@ def share_of_pulse(motion: record.GroundMotion) -> float:
 
 
 def test_peak_is_where_the_source_has_it() -> None:
-    found = peak_time(load_motion(NAME))
-    assert found == pytest.approx(OWN.peak_time, abs=tol.PEAK_OF_STREAM)
+    result = peak_time(load_motion(NAME))
+    assert result == pytest.approx(OWN.peak_time, abs=tol.PEAK_OF_STREAM)
     assert OWN.peak_time == SOURCE_PEAK
-    assert abs(found - SOURCE_PEAK) < HALF_A_SECOND
-    assert found < USED
+    assert abs(result - SOURCE_PEAK) < HALF_A_SECOND
+    assert result < USED
 
 
 def test_pulse_is_the_largest_swing() -> None:

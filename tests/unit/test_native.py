@@ -38,8 +38,8 @@ KERNELS: dict[str, Any] = {
 
 
 def described(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / native.DESCRIPTION).read_text())
-    return found
+    result: dict[str, Any] = json.loads((folder / native.DESCRIPTION).read_text())
+    return result
 
 
 def face(folder: Path, name: str) -> Callable[..., Any]:
@@ -126,20 +126,20 @@ def test_a_march_gives_the_bits_of_numba(library_with_march: Path) -> None:
 
 def test_arguments_that_do_not_fit_are_left_to_numba(small_library: Path) -> None:
     """Kinds that a face was not built for; without numba they are an error."""
-    kept, early, late, air, places, now, after, found = (*calls()["core.march.hours_at_rest"],)
+    kept, early, late, air, places, now, after, result = (*calls()["core.march.hours_at_rest"],)
     run = face(small_library, "core.march.hours_at_rest")
-    expected = np.zeros_like(found)
+    expected = np.zeros_like(result)
     run(kept, early, late, air, places, now.copy(), after, expected)
     wide = np.zeros((3, 8))[:, ::2]
     run(kept, early, late, air, places, now.copy(), after, wide)
     assert_array_equal(wide, expected)
     for array in (air, places):
         array.flags.writeable = False
-    fixed = np.zeros_like(found)
+    fixed = np.zeros_like(result)
     run(kept, early, late, air, places, now.copy(), after, fixed)
     assert_array_equal(fixed, expected)
     few = places.astype(np.int32)
-    again = np.zeros_like(found)
+    again = np.zeros_like(result)
     run(kept, early, late, air, few, now.copy(), after, again)
     assert_array_equal(again, expected)
 
@@ -221,9 +221,9 @@ def test_a_library_that_differs_is_refused(
     native.open_library.cache_clear()
     kernel = copy_state_kernel()
     try:
-        with pytest.warns(UserWarning, match="numba") as said:
+        with pytest.warns(UserWarning, match="numba") as output:
             chosen = [runners.choose(kernel, arguments), runners.choose(kernel, arguments)]
-        assert len(said) == 1
+        assert len(output) == 1
         native.open_library.cache_clear()  # as in a process that this one starts
         with warnings.catch_warnings():
             warnings.simplefilter("error")
@@ -383,10 +383,10 @@ def test_a_prepared_call_is_the_call(misfit: bool) -> None:
     run = prepare(step.step, constants, work, state, 0.0, 0.0, 0.0, new)
     accept = prepare(march.copy_state, new, target)
     for x in (3.0, 4.0):
-        found = run(x, 0.1, -20.0)
+        result = run(x, 0.1, -20.0)
         accept()
         assert_array_equal(target.temperature, new.temperature)
         other = types.new_state(constants, start)
-        assert found == step.step(constants, work, state, x, 0.1, -20.0, other)
+        assert result == step.step(constants, work, state, x, 0.1, -20.0, other)
         assert_array_equal(other.temperature, new.temperature)
         march.copy_state(new, state)

@@ -115,8 +115,8 @@ def test_a_run_that_is_not_physical_says_so(
     monkeypatch.setattr("thermobearing.model.outcomes.temperature_limits", lambda: early)
     case = quick_case(tmp_path / "case.toml", ambient="23 degC")
     done = cyclic(case, "-o", tmp_path / "out", "--json")
-    said = last_line(done)
-    assert (said["outcome"], done.exit_code) == (NOT_PHYSICAL, 3)
+    output = last_line(done)
+    assert (output["outcome"], done.exit_code) == (NOT_PHYSICAL, 3)
     assert "energy balance" in done.stderr
     assert np.isfinite(tb.load_result(tmp_path / "out")["force"]).all()
 
@@ -309,11 +309,11 @@ def test_validation(tmp_path: Path) -> None:
     t = np.arange(0.0, 12.0, 0.005)
     x = 75.0 * np.sin(2.0 * np.pi * t / 0.3)
     record = tb.record_from_arrays(t, x, 3.0 * x + 90.0 * np.sign(np.gradient(x)), 23.0)
-    found = tb.validate_bearing(LEAD, record)
-    assert list(found.table["outcome"]) == [MELTED]
-    assert found.outcome == "partly"
-    assert SENTENCES[MELTED] in found.sentence
-    assert found.summary()["comparisons"][0]["outcome"] == MELTED
+    result = tb.validate_bearing(LEAD, record)
+    assert list(result.table["outcome"]) == [MELTED]
+    assert result.outcome == "partly"
+    assert SENTENCES[MELTED] in result.sentence
+    assert result.summary()["comparisons"][0]["outcome"] == MELTED
 
 
 def test_factors_and_bounds(shake: dict[str, object]) -> None:

@@ -136,8 +136,8 @@ def test_dimensions_of_measures(strain: list[float], sizes: dict[str, int]) -> N
 def test_cycles_of_a_history_are_numbered() -> None:
     time = np.arange(0.0, 8.0, 0.02)
     wave = 20.0 * np.sin(np.pi * time / 2.0)
-    found = tb.run("shen-hdr-specimen", (time, wave), ambient=[-20, 23]).to_dataset()
-    assert set(found.sizes) == {"ambient", "number"}
+    actual = tb.run("shen-hdr-specimen", (time, wave), ambient=[-20, 23]).to_dataset()
+    assert set(actual.sizes) == {"ambient", "number"}
 
 
 def test_selection_of_a_thinned_result(result: tb.Result, tmp_path: Path) -> None:
@@ -147,9 +147,9 @@ def test_selection_of_a_thinned_result(result: tb.Result, tmp_path: Path) -> Non
 
 
 def test_sweeps(study: tb.EarthquakeResult) -> None:
-    found = tb.sweep(NAMES, motion=["jra-ii-i-1", "jra-i-i-1"], ambient=[23, -20], duration=2)
+    actual = tb.sweep(NAMES, motion=["jra-ii-i-1", "jra-i-i-1"], ambient=[23, -20], duration=2)
     same = study.to_dataset()["bearing_strain_max"]
-    assert_array_equal(found["bearing_strain_max"].values, same.values)
+    assert_array_equal(actual["bearing_strain_max"].values, same.values)
     test = tb.cyclic_test(strain=[0.5], cycles=1, dt=0.02)
     measured = tb.sweep(["shen-lhdr-specimen", "shen-hdr-bridge"], test=test, ambient=[23, -20])
     assert dict(measured.sizes) == {"bearing": 2, "ambient": 2, "strain": 1, "cycle": 1}
@@ -218,13 +218,13 @@ def test_every_kind_of_result_is_read_again(
     }
     for command, report in reports.items():
         folder = report.save(tmp_path / command.split()[0], figures=False)
-        found = tb.load_result(folder)
-        assert isinstance(found, SavedResult)
-        assert found.command == command
-        assert found.outcome == report.outcome if hasattr(report, "outcome") else "completed"
-        assert found.tables
-        assert len(repr(found)) < SHORT
-        assert "<table" in found._repr_html_()
+        actual = tb.load_result(folder)
+        assert isinstance(actual, SavedResult)
+        assert actual.command == command
+        assert actual.outcome == report.outcome if hasattr(report, "outcome") else "completed"
+        assert actual.tables
+        assert len(repr(actual)) < SHORT
+        assert "<table" in actual._repr_html_()
     fitted = tb.load_result(tmp_path / "identify")
     assert isinstance(fitted, SavedResult)
     (bearing,) = fitted.bearings.values()
@@ -255,5 +255,5 @@ def test_every_number_of_a_study_says_what_it_is() -> None:
 
 
 def test_a_motion_is_short_in_a_notebook() -> None:
-    said = repr(tb.load_motion("jra-ii-i-1"))
-    assert said == "<GroundMotion jra-ii-i-1: 647 gal, 50 s in steps of 0.01 s>"
+    output = repr(tb.load_motion("jra-ii-i-1"))
+    assert output == "<GroundMotion jra-ii-i-1: 647 gal, 50 s in steps of 0.01 s>"

@@ -80,11 +80,11 @@ def test_a_bearing_by_name_file_and_record(take: Callable[[Any], Any], tmp_path:
     path = write_toml(tmp_path / "mine.toml", to_table(bearing))
     wanted = take(bearing)
     for given in (HDR, path, str(path)):
-        found = take(given)
+        result = take(given)
         if isinstance(wanted, pd.DataFrame):
-            pd.testing.assert_frame_equal(found, wanted, check_exact=True)
+            pd.testing.assert_frame_equal(result, wanted, check_exact=True)
         else:
-            assert_array_equal(found, wanted)
+            assert_array_equal(result, wanted)
 
 
 @pytest.mark.parametrize("take", TAKERS.values(), ids=TAKERS)
@@ -131,8 +131,8 @@ def test_yield_stress_comes_back_from_a_test_without_noise() -> None:
     """With another heat source in the fit than in the test it comes back as 10.013 MPa."""
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, wave="sine")
     record = synthetic_record("lrb-example", 23.0, test, noise=0.0)
-    found = tb.identify_bearing(record, "lrb-example", free=["K_r", "K_l", "sigma_Y"], starts=1)
-    assert found.values["lead.yield_stress"] == pytest.approx(10.0, rel=tol.NOISE_FREE_STRENGTH)
+    result = tb.identify_bearing(record, "lrb-example", free=["K_r", "K_l", "sigma_Y"], starts=1)
+    assert result.values["lead.yield_stress"] == pytest.approx(10.0, rel=tol.NOISE_FREE_STRENGTH)
 
 
 FULL_PROFILE = np.linspace(-10.0, 20.0, 86).tolist()  # a temperature for each cell of the height
@@ -382,12 +382,12 @@ def test_elements_in_one_call_are_the_single_ones() -> None:
     line = tb.BearingElements(together)
     for step, x in enumerate(30.0 * np.sin(np.outer(np.arange(1, 60), [0.1, 0.2, 0.3]))):
         air = None if step % 2 else np.array([-10.0, 0.0, 10.0])
-        found = line.set_trial(x, 0.05, air)
+        result = line.set_trial(x, 0.05, air)
         line.commit()
         for k, one in enumerate(alone):
             trial = one.set_trial(float(x[k]), 0.05, None if air is None else float(air[k]))
             one.commit()
-            assert (found.force[k], found.tangent[k], found.outcome[k]) == (
+            assert (result.force[k], result.tangent[k], result.outcome[k]) == (
                 *(trial.force, trial.tangent, trial.outcome),
             )
     for one, other in zip(alone, line.elements, strict=True):

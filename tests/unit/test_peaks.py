@@ -37,12 +37,12 @@ def test_the_mean_is_over_a_group_and_the_largest_of_the_groups() -> None:
     two = [Motion(name=name) for name in THREE[:2]]  # too few for a mean
     assert _combined([2.0, 4.0], two, "mean") == 4.0
     assert few_motions(motions, "largest") == []
-    (said,) = few_motions(motions, "mean")
-    assert said.endswith(" jra-i-i has 1")
-    (said,) = few_motions(mine, "mean")
-    assert said.endswith(f" {OTHERS} has 2")
-    (said,) = few_motions(mine[1:], "mean")  # nobody entered a group
-    assert said.endswith(" there are 2")
+    (output,) = few_motions(motions, "mean")
+    assert output.endswith(" jra-i-i has 1")
+    (output,) = few_motions(mine, "mean")
+    assert output.endswith(f" {OTHERS} has 2")
+    (output,) = few_motions(mine[1:], "mean")  # nobody entered a group
+    assert output.endswith(" there are 2")
 
 
 def test_a_round_finds_the_mean_where_the_case_says_so() -> None:
@@ -70,8 +70,8 @@ def test_bearings_are_judged_at_every_temperature() -> None:
     worst = envelope(table.reset_index()).set_index("peak")
     assert worst.loc["strain", "at_degC"] == 23
     assert worst.loc["force_kN", "at_degC"] == -20
-    (said,) = coldest_sentences(table.reset_index())
-    assert "OK on the coldest day, -20 degC" in said
+    (output,) = coldest_sentences(table.reset_index())
+    assert "OK on the coldest day, -20 degC" in output
     assert np.isfinite(table.drop(columns=["bearing", "verdict", "fails"]).to_numpy(float)).all()
 
 

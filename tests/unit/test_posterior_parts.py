@@ -60,8 +60,8 @@ def test_posterior_is_tempered_by_what_the_samples_are_worth(
     monkeypatch.setitem(sys.modules, "emcee", fake)
     residual = np.full(200, 0.1)
     problem = SimpleNamespace(parts=lambda u, *, fine: [residual * (1.0 + u[0])])
-    found = fit_with(problem, np.array([0.0, 0.5]))
-    drawn = posterior._posterior_samples(found)
+    result = fit_with(problem, np.array([0.0, 0.5]))
+    drawn = posterior._posterior_samples(result)
     assert (drawn.source, drawn.held.shape) == ("emcee", (5, 1))
     _log_probability = asked[0]
     variance = 200 * 0.01 / 198  # of the residuals at the best place
@@ -148,15 +148,15 @@ def test_no_cause_is_named_for_no_misfit() -> None:
     evidence = tuple(
         replace(item, explained=0.9, sigmas=50.0, stderr=1.0) for item in assumed.evidence
     )
-    found = replace(exact.uncertainty, assumed=replace(assumed, evidence=evidence))
-    assert found.rms < NEGLIGIBLE
-    assert (found.suspects, diagnosis.describe_misfit(exact.problem, found)) == ([], [])
-    large = replace(found, rms=2.0 * NEGLIGIBLE)
+    result = replace(exact.uncertainty, assumed=replace(assumed, evidence=evidence))
+    assert result.rms < NEGLIGIBLE
+    assert (result.suspects, diagnosis.describe_misfit(exact.problem, result)) == ([], [])
+    large = replace(result, rms=2.0 * NEGLIGIBLE)
     assert large.suspects
     assert diagnosis.describe_misfit(exact.problem, large)
 
 
 @pytest.mark.parametrize(("parameters", "walkers"), [(1, 4), (2, 6), (5, 15)])
 def test_walkers_are_more_than_twice_the_parameters(parameters: int, walkers: int) -> None:
-    found: Any = SimpleNamespace(cube=np.zeros(parameters))
-    assert posterior._walkers(found) == walkers
+    result: Any = SimpleNamespace(cube=np.zeros(parameters))
+    assert posterior._walkers(result) == walkers

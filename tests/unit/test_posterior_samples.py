@@ -80,7 +80,7 @@ def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("K_r,m_Q\n30,1\n", 'no parameter is called "m_Q"; did you mean'),
         ("K_r,sigma_Y\n30,9\n", '"sigma_Y": shen-hdr-specimen'),
@@ -91,8 +91,8 @@ def test_a_full_size_bearing_takes_the_samples_of_its_specimen(tmp_path: Path) -
         ("K_r,K_r\n30,31\n", "two columns"),
     ],
 )
-def test_samples_that_are_none(text: str, said: str, tmp_path: Path) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_samples_that_are_none(text: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(tb.InputError, match=message):
         posterior_bearings(NAME, written(tmp_path, text))
     with pytest.raises(tb.InputError, match="from 1 to"):
         posterior_bearings(NAME, tmp_path / "posterior.csv", 0)
@@ -126,7 +126,7 @@ def test_the_ratio_is_that_of_the_kind() -> None:
     assert post_yield_ratio("LRB").unverified
     energy = 0.1 * 2.0 * np.pi * 2.0 * 100.0**2
     for kind in ("HDR", "LHDR", "LRB"):
-        found = backbone(2.0, energy, 100.0, kind)
-        assert_allclose(found.strength + 100.0 * found.post_yield, 200.0)
-        moved = 100.0 - found.strength / (found.initial - found.post_yield)
-        assert_allclose(4.0 * found.strength * moved, energy)
+        result = backbone(2.0, energy, 100.0, kind)
+        assert_allclose(result.strength + 100.0 * result.post_yield, 200.0)
+        moved = 100.0 - result.strength / (result.initial - result.post_yield)
+        assert_allclose(4.0 * result.strength * moved, energy)

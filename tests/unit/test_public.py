@@ -97,22 +97,22 @@ def test_labelled_datasets_are_those_of_xarray() -> None:
 
 
 def section(text: str, title: str) -> str:
-    found = re.search(SECTION.format(title), text, re.DOTALL)
-    return found[1] if found else ""
+    result = re.search(SECTION.format(title), text, re.DOTALL)
+    return result[1] if result else ""
 
 
 def arguments(item: Any) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    result: dict[str, Any] = {}
     for name, parameter in inspect.signature(item).parameters.items():
         if name == "self":
             continue
         kinds = [kind for kind in get_args(parameter.annotation) if is_typeddict(kind)]
         if not kinds:
-            found[name] = parameter.annotation
+            result[name] = parameter.annotation
         for kind in kinds:  # fields of ModelOptions are described there
             model = set(tb.ModelOptions.model_fields)
-            found |= {key: of for key, of in kind.__annotations__.items() if key not in model}
-    return found
+            result |= {key: of for key, of in kind.__annotations__.items() if key not in model}
+    return result
 
 
 def entry(text: str, name: str) -> str:
@@ -143,10 +143,10 @@ def test_a_public_name_is_documented(item: Any) -> None:
     assert record or ">>>" in section(text, "Examples"), "no example"
     reported = record or section(text, "Parameters")
     for name, kind in arguments(item).items():
-        said = entry(reported, name)
-        assert said, f"{name} is not described"
+        output = entry(reported, name)
+        assert output, f"{name} is not described"
         if "float" in str(kind):
-            assert UNIT.search(said) or NAMED_UNIT.search(name), f"{name} has no unit"
+            assert UNIT.search(output) or NAMED_UNIT.search(name), f"{name} has no unit"
 
 
 def test_an_unknown_keyword_is_an_input_error_with_the_nearest_name(tmp_path: Path) -> None:

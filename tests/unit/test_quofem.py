@@ -28,7 +28,7 @@ BEARING |= {"elastic_temperature_coefficient": -1.2, "hysteretic_temperature_coe
 
 
 @pytest.fixture(scope="module")
-def found() -> tb.Identification:
+def result() -> tb.Identification:
     """Two tests with weights, the second with a thermocouple in the rubber, and a tie."""
     cold, warm = (tb.synthetic_record(HDR, at, SHORT, sampling=25.0) for at in (0.0, 23.0))
     heat = 23.0 + 0.01 * warm.time
@@ -40,8 +40,8 @@ def found() -> tb.Identification:
 
 
 @pytest.fixture(scope="module")
-def folder(found: tb.Identification, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_quofem(found, tmp_path_factory.mktemp("exchange") / "quofem")
+def folder(result: tb.Identification, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_quofem(result, tmp_path_factory.mktemp("exchange") / "quofem")
 
 
 def numbers(text: str) -> Floats:
@@ -70,7 +70,7 @@ def run_as_quofem(folder: Path, work: Path, values: dict[str, float]) -> Floats:
 
 
 def test_residuals_are_those_of_identify(
-    found: tb.Identification, folder: Path, tmp_path: Path
+    result: tb.Identification, folder: Path, tmp_path: Path
 ) -> None:
     """At other parameters than the start and the optimum; data and results have 12 digits."""
     results = run_as_quofem(folder, tmp_path / "work", VALUES)
@@ -78,14 +78,16 @@ def test_residuals_are_those_of_identify(
     assert len(lines) == 1  # one experiment
     measured = numbers(lines[0])
     values = {"K_r": 28.0, "s": -0.8, "m_T": -1.2}
-    places = np.array([p.place(values[p.kind.symbol]) for p in found.pset.free])
-    parts = found.problem.parts(places, fine=True)
+    places = np.array([p.place(values[p.kind.symbol]) for p in result.pset.free])
+    parts = result.problem.parts(places, fine=True)
     np.testing.assert_allclose(results - measured, np.concatenate(parts), atol=1e-10)
     # The force of the model, less its mean, on the weights; temperatures as they are.
     law = HDR.hysteresis.model_copy(update=BEARING)
-    runs = [model.run(HDR.model_copy(update={"hysteresis": law})) for model in found.problem.fine]
+    runs = [model.run(HDR.model_copy(update={"hysteresis": law})) for model in result.problem.fine]
     expected = []
-    for record, weight, run in zip(found.problem.records, found.problem.weights, runs, strict=True):
+    for record, weight, run in zip(
+        result.problem.records, result.problem.weights, runs, strict=True
+    ):
         assert run is not None
         for force, rows in ((run.force, expected), (record.force, [])):
             middle = (weight**2 * force).sum() / (weight**2).sum()
@@ -95,7 +97,7 @@ def test_residuals_are_those_of_identify(
 
 
 def test_what_is_held_moves_the_responses(
-    found: tb.Identification, folder: Path, tmp_path: Path
+    result: tb.Identification, folder: Path, tmp_path: Path
 ) -> None:
     """The chamber 1.5 of its uncertainties (0.6 K) warmer, and more thickness by one of 2 %."""
     from thermobearing.identify.quofem import write_responses
@@ -105,20 +107,22 @@ def test_what_is_held_moves_the_responses(
     moved = {"z_ambient_temperature_of_23_degC": 1.5, "z_thickness_of_the_rubber": 1.0}
     write_responses(VALUES | moved, work)
     places = [
-        p.place({"K_r": 28.0, "s": -0.8, "m_T": -1.2}[p.kind.symbol]) for p in found.pset.free
+        p.place({"K_r": 28.0, "s": -0.8, "m_T": -1.2}[p.kind.symbol]) for p in result.pset.free
     ]
-    bearing = found.pset.bearing(np.array(places))
+    bearing = result.pset.bearing(np.array(places))
     thick = bearing.geometry.rubber_thickness * np.exp(0.02)
     geometry = bearing.geometry.model_copy(update={"rubber_thickness": thick})
-    records = [replace(r, ambient=r.ambient + 0.9 * (r.ambient == 23.0)) for r in found.records]
-    parts = found.problem.split_parts(bearing.model_copy(update={"geometry": geometry}), records)
+    records = [replace(r, ambient=r.ambient + 0.9 * (r.ambient == 23.0)) for r in result.records]
+    parts = result.problem.split_parts(bearing.model_copy(update={"geometry": geometry}), records)
     assert parts is not None
     results = numbers((work / "results.out").read_text())
     np.testing.assert_allclose(results - measured, np.concatenate(parts), atol=1e-9)
 
 
 @pytest.mark.parametrize("engine", ["bayesian", "deterministic"])
-def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, folder: Path) -> None:
+def test_inputs_have_what_quofem_reads(
+    engine: str, result: tb.Identification, folder: Path
+) -> None:
     table = json.loads((folder / f"{engine}.json").read_text())
     assert {"Applications", "EDP", "FEM", "UQ", "randomVariables"} <= set(table)
     model = table["Applications"]["FEM"]
@@ -145,12 +149,12 @@ def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, fo
     assert sum(item["length"] for item in table["EDP"]) == length
     free = [item for item in table["randomVariables"] if not item["name"].startswith("z_")]
     changes = table["randomVariables"][len(free) :]
-    for item, group in zip(changes, found.uncertainty.assumed.groups, strict=engine == "bayesian"):
+    for item, group in zip(changes, result.uncertainty.assumed.groups, strict=engine == "bayesian"):
         assert item["name"].isidentifier()
         assert (item["distribution"], item["mean"]) == ("Normal", 0.0)
         assert item["stdDev"] == group.widening >= 1.0
     assert bool(changes) is (engine == "bayesian")
-    for item, parameter in zip(free, found.pset.free, strict=True):
+    for item, parameter in zip(free, result.pset.free, strict=True):
         assert item["value"] == f"RV.{item['name']}"
         assert item["name"].isidentifier()
         back = {"ln_": np.exp, "ln1p_": np.expm1}.get(re.sub(r"_.*", "_", item["name"]), float)
@@ -161,13 +165,13 @@ def test_inputs_have_what_quofem_reads(engine: str, found: tb.Identification, fo
             assert back(item["initialpoint"]) == pytest.approx(parameter.value, rel=tol.ROUNDING)
         else:
             assert item["distribution"] == "Uniform"
-    worth = found.uncertainty
+    worth = result.uncertainty
     ratio = np.sqrt(worth.samples / worth.effective_samples)
     assert f"by {ratio:.2f}, the square root" in (folder / "README.md").read_text()
 
 
 def test_a_test_that_ends_early_is_far_from_the_data(
-    found: tb.Identification, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result: tb.Identification, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from thermobearing.identify.fit.forward import ForwardModel
     from thermobearing.identify.fit.problem import LOST
@@ -181,10 +185,10 @@ def test_a_test_that_ends_early_is_far_from_the_data(
 
 
 def test_the_command_writes_the_folder(
-    found: tb.Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result: tb.Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: found)
-    file, out = write_test(tmp_path, found.records[0], "cold"), tmp_path / "out"
+    monkeypatch.setattr("thermobearing.identify.run.run_identify", lambda case: result)
+    file, out = write_test(tmp_path, result.records[0], "cold"), tmp_path / "out"
     for more in ([], ["--overwrite"]):
         done = command("identify", file, "-o", out, "--quofem", "--no-figures", *more)
         assert done.exit_code == 0, done.output
@@ -193,7 +197,7 @@ def test_the_command_writes_the_folder(
 
 
 def test_files_of_one_name_do_not_overwrite_each_other(
-    found: tb.Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    result: tb.Identification, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Laws of two folders, and one that is named as the driver."""
     files = [tmp_path / name for name in ("a/law.py", "b/law.py", "c/Law.py", "c/model.py")]
@@ -201,7 +205,7 @@ def test_files_of_one_name_do_not_overwrite_each_other(
         file.parent.mkdir(exist_ok=True)
         file.write_text(f"# {file.parent.name}/{file.name}")
     monkeypatch.setattr(quofem, "loaded_files", lambda: list(map(str, files)))
-    folder = write_quofem(found, tmp_path / "quofem")
+    folder = write_quofem(result, tmp_path / "quofem")
     copies = json.loads((folder / "calibration.json").read_text())["laws"]
     texts = [(folder / name).read_text() for name in copies]
     assert texts == [file.read_text() for file in files]

@@ -206,12 +206,12 @@ def test_every_analysing_command_has_the_options() -> None:
     from tests.unit.test_help import COMMANDS
 
     options = {"--report", "--xlsx", "--title", "--template"}
-    found = {
+    result = {
         " ".join(words)
         for words, item in COMMANDS.items()
         if options <= {name for p in item.params for name in p.opts}
     }
-    assert found >= WITH_OPTIONS
+    assert result >= WITH_OPTIONS
 
 
 @pytest.fixture(scope="module")

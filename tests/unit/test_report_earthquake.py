@@ -195,8 +195,8 @@ def test_the_calibration_range_is_that_of_the_bearing_of_each_line(
     assert plan_of_two.table["strain_line"].iloc[0] == "A1"  # with shen-hdr-bridge
     data, rows = plan_of_two.dataset, plan_of_two.tested_range
     rows["outside"] = (rows["limit"] == "strain") & rows["run"].str.startswith(bearing)
-    said = as_attribute(rows.to_dict("records"))
-    result = EarthquakeResult(data.assign_attrs(data.attrs | {"tested_range": said}))
+    output = as_attribute(rows.to_dict("records"))
+    result = EarthquakeResult(data.assign_attrs(data.attrs | {"tested_range": output}))
     assert list(result.table["beyond_tested"]) == ["strain"]
     assert {name: limits for name, limits in limits_by_bearing(result)[0].items() if limits} == {
         bearing: "strain"
@@ -402,9 +402,9 @@ def test_sources_of_a_users_own_files(tmp_path) -> None:
 
 
 def test_sources_of_what_a_case_changes_are_not_reported() -> None:
-    found = fixed_base(load_structure("pier-p1"))
-    assert found.sources
-    assert not any(key.startswith("springs") for key in found.sources)
+    result = fixed_base(load_structure("pier-p1"))
+    assert result.sources
+    assert not any(key.startswith("springs") for key in result.sources)
     lines = [{"line": "G1-G5", "count": 4}]
     made = tb.bridge("shen-hdr-bridge", "jra-ii-i-1", 23.0, duration=0.5, lines=lines)
     rows = {row[0]: row[2:] for row in build_pieces(made).inputs["structure"].rows}

@@ -358,12 +358,12 @@ def test_turned_pages_do_not_interrupt_the_upright_blocks_of_a_section() -> None
         return [{"kind": kinds[w[0]], "turned": w[0] == "T", "name": w} for w in words.split()]
 
     def _order(words: str) -> str:
-        found = []
+        result = []
         for block in _turned_together(_blocks(words)):
             inner = block.get("blocks", [block])
             text = " ".join(one["name"] for one in inner)
-            found.append(f"({text})" if block["kind"] == "turned" else text)
-        return " ".join(found)
+            result.append(f"({text})" if block["kind"] == "turned" else text)
+        return " ".join(result)
 
     assert _order("H1 t1 T1 t2 T2 F1 T3 H2 t3") == "H1 t1 t2 (T1 T2) F1 (T3) H2 t3"
     assert _order("H1 T1 H2 T2 t1") == "(H1 T1) H2 t1 (T2)"

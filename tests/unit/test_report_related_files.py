@@ -44,8 +44,8 @@ def test_the_verdict_and_what_all_runs_share_stand_below(tmp_path: Path) -> None
     out = tmp_path / "out"
     assert command("hybrid", "--bearing", "shen-hdr-specimen", *case, "-o", out).exit_code == 0
     (out / "figures").mkdir()
-    found = tb.cyclic_test(strain=[0.5], cycles=1)
-    drawn = tb.run("shen-hdr-specimen", found).plot.loops
+    result = tb.cyclic_test(strain=[0.5], cycles=1)
+    drawn = tb.run("shen-hdr-specimen", result).plot.loops
     save_figures({"comparison": drawn}, out / "figures")
     pieces = build_pieces(tb.load_result(out), out)
     table = pieces.tables["comparison"]

@@ -43,9 +43,9 @@ SPECIMEN = "shen-hdr-specimen"
 
 
 def loaded(path: Path) -> SavedResult:
-    found = tb.load_result(path)
-    assert isinstance(found, SavedResult)
-    return found
+    result = tb.load_result(path)
+    assert isinstance(result, SavedResult)
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +56,9 @@ def record() -> tb.TestRecord:
 
 @pytest.fixture(scope="module")
 def fitted(record: tb.TestRecord, tmp_path_factory) -> SavedResult:
-    found = tb.identify_bearing(record, SPECIMEN, free=["K_r", "d_y"], starts=1)
-    saved = found.save(tmp_path_factory.mktemp("fit") / "out", figures=False)
-    save_figures({"loops": found.plot.loops}, saved / "figures", vector=True)
+    result = tb.identify_bearing(record, SPECIMEN, free=["K_r", "d_y"], starts=1)
+    saved = result.save(tmp_path_factory.mktemp("fit") / "out", figures=False)
+    save_figures({"loops": result.plot.loops}, saved / "figures", vector=True)
     return loaded(saved)
 
 
@@ -77,7 +77,7 @@ def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> Non
     made = identify_certificate.build_certificate(fitted)
     assert_well_formed(made)
     cycles = made.tables["cycles"]
-    found = {
+    result = {
         column.name: [row[k] for row in cycles.rows] for k, column in enumerate(cycles.columns)
     }
     side = 1.0 if record.displacement[np.abs(record.displacement) > 1.0][0] > 0.0 else -1.0
@@ -89,7 +89,7 @@ def test_certificate_of_a_fit(fitted: SavedResult, record: tb.TestRecord) -> Non
         total_rubber_thickness=bearing.total_rubber_thickness,
     )
     exact = [one.characteristic_strength_kN for one in measured[: len(cycles.rows)]]
-    assert_allclose(found["Q_d_test"], exact, rtol=0.05)  # of the noise at zero
+    assert_allclose(result["Q_d_test"], exact, rtol=0.05)  # of the noise at zero
     symbols = [row[0] for row in made.tables["parameters"].rows]
     assert symbols == [item["symbol"] for item in fitted.summary["parameters"].values()]
     assert len(made.signatures) == 3
@@ -499,13 +499,13 @@ def test_validation(record: tb.TestRecord, tmp_path) -> None:
     soft = bearing.hysteresis.model_copy(update={"layer_stiffness": 20.0})
     tested = Validity(ambient=[0.0, 30.0])
     bearing = bearing.model_copy(update={"hysteresis": soft, "tested_range": tested})
-    found = tb.validate_bearing(bearing, record)
-    saved = loaded(found.save(tmp_path / "out", figures=False))
+    result = tb.validate_bearing(bearing, record)
+    saved = loaded(result.save(tmp_path / "out", figures=False))
     pieces = validate_report.build_pieces(saved)
     assert_well_formed(pieces)
     _arranged(pieces)
     assert pieces.answer[0].startswith("The model exceeds a limit; largest errors K_eq −")
-    worst = found.table["K_eq_error"][0]
+    worst = result.table["K_eq_error"][0]
     assert f"{100 * worst:.1f} %".replace("-", "−") in pieces.answer[0]
     reported = {check.what: check for check in pieces.checks}
     assert reported[f"error of K_eq, {record.name}"].verdict == EXCEEDED
@@ -602,8 +602,8 @@ def test_motion(tmp_path) -> None:
 def test_held_out_tests_beyond_the_fit_are_reported(record: tb.TestRecord, tmp_path) -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=2, rest=None, closing_strain=None, dt=0.02)
     warm = replace(tb.synthetic_record(SPECIMEN, 23.0, test), name="warm")
-    found = tb.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
-    saved = loaded(found.save(tmp_path / "out", figures=False))
+    result = tb.cross_validate(record, SPECIMEN, hold_out=warm, free=["K_r"], starts=1)
+    saved = loaded(result.save(tmp_path / "out", figures=False))
     assert any("held out" in text and "ambient 23 degC" in text for text in saved.warnings)
     pieces = identify_report.build_pieces(saved)
     assert_well_formed(pieces)

@@ -274,9 +274,9 @@ def test_real_interrupt_signal(case: Path, tmp_path: Path) -> None:
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert json.loads(done.stdout.splitlines()[-1])["outcome"] == "interrupted"
-    found = inputs.summary(out)
-    assert found["outcome"] == "interrupted"
-    assert found["runs"][0]["series_sharing"]["steps"] == 3 * 50
+    result = inputs.summary(out)
+    assert result["outcome"] == "interrupted"
+    assert result["runs"][0]["series_sharing"]["steps"] == 3 * 50
     # The first cycle is not closed yet.
     assert sorted(inputs.content(out)) == inputs.WITHOUT_CYCLES
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "out"]
@@ -300,9 +300,9 @@ def test_early_end_is_marked(tmp_path: Path) -> None:
         "output": str(out),
         "files": inputs.WITHOUT_CYCLES,
     }
-    found = inputs.summary(out)
-    assert found["outcome"] == found["runs"][0]["outcome"] == "euler_unstable"
-    assert found["runs"][0]["outcome_sentence"] in done.stderr
+    result = inputs.summary(out)
+    assert result["outcome"] == result["runs"][0]["outcome"] == "euler_unstable"
+    assert result["runs"][0]["outcome_sentence"] in done.stderr
     assert np.isfinite(tb.load_result(out)["force"]).all()
     assert inputs.cyclic(path, "--dt", 1, "-o", tmp_path / "exact", "-q").exit_code == 0
 
@@ -336,12 +336,12 @@ def test_a_study_is_read_back(study: Any, options: dict[str, Any], tmp_path: Pat
     saved = study(motion="jra-ii-i-1", duration=1, **{"ambient": -20, **options})
     saved.save(tmp_path / "out", figures=False)
     for path in (tmp_path / "out", tmp_path / "out" / "result.nc"):
-        found = tb.load_result(path)
-        assert isinstance(found, tb.EarthquakeResult)
-        assert found.outcome == saved.outcome
-        assert json.dumps(found.summary()) == json.dumps(saved.summary())
-        assert found.history(0).equals(saved.history(0))
-    again = found.save(tmp_path / "again", figures=False)
+        result = tb.load_result(path)
+        assert isinstance(result, tb.EarthquakeResult)
+        assert result.outcome == saved.outcome
+        assert json.dumps(result.summary()) == json.dumps(saved.summary())
+        assert result.history(0).equals(saved.history(0))
+    again = result.save(tmp_path / "again", figures=False)
     one, other = inputs.content(tmp_path / "out"), inputs.content(again)
     same = [name for name in one if name != "result.nc"]  # its dates differ
     assert [one[name] for name in same] == [other[name] for name in same]

@@ -60,10 +60,10 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
 
 @pytest.mark.parametrize("name", BAD)
 def test_bad_sequences_get_one_message(name: str) -> None:
-    table, said = BAD[name]
+    table, output = BAD[name]
     with pytest.raises(tb.InputError) as caught:
         make_sequence_case(TABLE | table, "case.toml")
-    assert said in str(caught.value)
+    assert output in str(caught.value)
     assert str(caught.value).count("one specimen") <= 1
 
 
@@ -123,10 +123,10 @@ def test_each_part_runs_again_by_itself(result: SequenceResult, tmp_path: Path) 
 
 def test_a_part_that_ends_early_is_the_last() -> None:
     hot = CYCLIC | {"steps": [CYCLE | {"strain": 2.5, "speed": "1 m/s", "count": 80}]}
-    found = tb.sequence(TABLE | {"bearing": "shen-lhdr-specimen", "parts": [hot, REST]})
-    assert found.outcome == "lead_melted"
-    assert len(found.parts) == 1
-    assert found.sentence
+    actual = tb.sequence(TABLE | {"bearing": "shen-lhdr-specimen", "parts": [hot, REST]})
+    assert actual.outcome == "lead_melted"
+    assert len(actual.parts) == 1
+    assert actual.sentence
 
 
 def test_a_specimen_is_unloaded_after_rests() -> None:
@@ -137,9 +137,9 @@ def test_a_specimen_is_unloaded_after_rests() -> None:
         {"part": "rest", "within": "20 K"},
     ]
     given = {"bearing": "shen-hdr-specimen", "ambient": "23 degC", "parts": parts}
-    found = tb.sequence(make_sequence_case(given, "sequence"))
-    assert found.outcome == "completed"
-    for part in found.parts[1:]:
+    actual = tb.sequence(make_sequence_case(given, "sequence"))
+    assert actual.outcome == "completed"
+    for part in actual.parts[1:]:
         assert abs(float(part["force"].values.ravel()[0])) < 1e-6
 
 

@@ -129,8 +129,8 @@ def expected(path: list[tuple[float, float]]) -> list[float]:
     """Forces of `tb.element` at times and displacements."""
     times, x = np.transpose(path)
     forces, _ = follow(tb.element("shen-hdr-bridge", ambient=-20), x, np.diff(times, prepend=0.0))
-    found: list[float] = forces.tolist()
-    return found
+    result: list[float] = forces.tolist()
+    return result
 
 
 PATH = [(0.1, 3.0), (0.2, 8.0), (0.3, 2.0), (0.4, -6.0), (0.5, 0.0)]
@@ -144,11 +144,11 @@ def assert_only_nan(client: Client) -> None:
 
 def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
     client = Client(running.port, size=100)
-    found = []
+    result = []
     for t, x in PATH:
         assert np.isfinite(client.force(x + 40.0, t + 0.7))
-        found.append(client.step(x, t))
-    assert found == expected(PATH)
+        result.append(client.step(x, t))
+    assert result == expected(PATH)
     client.end()
     server = running.stop()
     assert not server.notes
@@ -160,8 +160,8 @@ def test_a_trial_starts_from_the_committed_state(running: Running) -> None:
 def test_after_a_gravity_stage_the_clock_may_be_set_to_zero(client: Client) -> None:
     for t in (0.5, 1.0):
         assert client.step(0.0, t, moving=0.0) == 0.0
-    found = [client.step(x, t) for t, x in PATH]
-    assert found == pytest.approx(expected(PATH), rel=1e-12)
+    result = [client.step(x, t) for t, x in PATH]
+    assert result == pytest.approx(expected(PATH), rel=1e-12)
 
 
 def test_a_load_factor_is_no_clock_without_a_rate(running: Running, client: Client) -> None:
@@ -181,8 +181,10 @@ def test_a_load_factor_is_no_clock_without_a_rate(running: Running, client: Clie
 def test_a_rate_makes_time_of_displacement() -> None:
     running = Running(case(rate=20.0))
     client = Client(running.port)
-    found = [client.step(x, factor, 0.0) for x, factor in ((5.0, 80.0), (2.0, 10.0), (-3.0, -40.0))]
-    assert found == pytest.approx(expected([(0.25, 5.0), (0.4, 2.0), (0.65, -3.0)]), rel=1e-12)
+    result = [
+        client.step(x, factor, 0.0) for x, factor in ((5.0, 80.0), (2.0, 10.0), (-3.0, -40.0))
+    ]
+    assert result == pytest.approx(expected([(0.25, 5.0), (0.4, 2.0), (0.65, -3.0)]), rel=1e-12)
     client.end()
     running.stop()
 
@@ -351,8 +353,8 @@ def test_two_directions_are_a_plane() -> None:
     for (t, x), force in zip(PATH, bearing, strict=True):
         u = (0.0, 0.0, 0.6 * x, 0.8 * x)
         element.answer(Request(Action.SET_TRIAL, u, (1.0,) * 4, (0.0,) * 4, t))
-        found = element.answer(Request(Action.FORCE, u, (), (), t))
-        assert found == pytest.approx(force * np.array([-0.6, -0.8, 0.6, 0.8]), rel=1e-9)
+        actual = element.answer(Request(Action.FORCE, u, (), (), t))
+        assert actual == pytest.approx(force * np.array([-0.6, -0.8, 0.6, 0.8]), rel=1e-9)
         element.answer(Request(Action.COMMIT, u, (), (), t))
     along, across = element.histories()
     assert (along.direction, across.direction) == (1, 2)
@@ -468,7 +470,7 @@ def command(*words: str) -> "subprocess.Popen[str]":
 def port_printed_by(running: "subprocess.Popen[str]") -> int:
     assert running.stderr is not None
     return next(
-        int(found[1]) for text in running.stderr if (found := re.search(r"port (\d+)", text))
+        int(result[1]) for text in running.stderr if (result := re.search(r"port (\d+)", text))
     )
 
 

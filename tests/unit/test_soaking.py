@@ -52,12 +52,12 @@ def test_same_as_soaking_from_far_enough_back(name: str) -> None:
     """That takes steps of 600 s, in which lead lags behind."""
     device = make_device(name)
     hours = np.array([5000, 1500, 4000])
-    found = run.soaked_hours(device, WEATHER, hours)
+    result = run.soaked_hours(device, WEATHER, hours)
     for place, hour in enumerate(hours):
         temperature, lead = run._soaked(device, WEATHER.before(int(hour), 720))
-        assert_allclose(found.temperature[place], temperature, atol=tol.TEN_MINUTES)
+        assert_allclose(result.temperature[place], temperature, atol=tol.TEN_MINUTES)
         if lead is not None:
-            assert_allclose(found.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)
+            assert_allclose(result.at(place)[1], lead, atol=tol.TEN_MINUTES_OF_LEAD)
 
 
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
@@ -92,9 +92,9 @@ def test_typical_year_has_had_the_days_before() -> None:
 
 
 def test_bilinear_has_no_temperature() -> None:
-    found = run.soaked_hours(make_device("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
-    assert found.temperature.shape == (2, 1)
-    assert found.at(1)[1] is None
+    result = run.soaked_hours(make_device("shen-bilinear-bridge"), WEATHER, np.array([1, 2]))
+    assert result.temperature.shape == (2, 1)
+    assert result.at(1)[1] is None
     with pytest.raises(tb.InputError, match="has no temperature"):
         tb.bearing_weather("shen-bilinear-bridge", WEATHER)
 

@@ -164,10 +164,10 @@ def test_a_bearing_served_by_another_process(mode: str) -> None:
         arguments = line.element(1, (1, 2))
         port = arguments[arguments.index("-server") + 1]
         specimen = f"tcp://127.0.0.1:{port}"
-        found = run_hybrid(duration=1.0, laboratory={"mode": mode, "specimen": specimen})
-    assert_same(calculated, found)
+        result = run_hybrid(duration=1.0, laboratory={"mode": mode, "specimen": specimen})
+    assert_same(calculated, result)
     served_force = line.results()["force"].values[0]
-    assert served_force[-1] == pytest.approx(found.bearing()["force"][-1], rel=tol.SERVED)
+    assert served_force[-1] == pytest.approx(result.bearing()["force"][-1], rel=tol.SERVED)
 
 
 def test_a_specimen_starts_where_an_earlier_test_left_it() -> None:
@@ -189,22 +189,24 @@ def test_a_specimen_on_one_of_several_lines(lines: list[dict[str, Any]]) -> None
     calculated = run_hybrid(**given)
     given["laboratory"] |= {"delay": "1 ms"}
     with served(HDR_BRIDGE) as server:
-        found = run_hybrid(
+        result = run_hybrid(
             **given | {"laboratory": {**given["laboratory"], "specimen": server.address}}
         )
     for line in (0, 1):
-        assert_same(calculated, found, line)
+        assert_same(calculated, result, line)
 
 
 def test_the_specimen_counts_and_not_the_bearing_calculated_beside_it() -> None:
     calculated = run_hybrid()
     with served() as server:
-        found = run_hybrid(bearings=[HDR], laboratory={"specimen": server.address})
-    assert np.abs(calculated.rows.q - found.rows.q).max() <= tol.SERVED * np.abs(found.rows.q).max()
+        result = run_hybrid(bearings=[HDR], laboratory={"specimen": server.address})
+    assert (
+        np.abs(calculated.rows.q - result.rows.q).max() <= tol.SERVED * np.abs(result.rows.q).max()
+    )
     for name in ("force", "work_in"):
-        mine, theirs = calculated.bearing()[name], found.bearing()[name]
+        mine, theirs = calculated.bearing()[name], result.bearing()[name]
         assert np.abs(mine - theirs).max() <= tol.SERVED * np.abs(mine).max()
-    balance = found.rows.energies["bearings"] - calculated.rows.energies["bearings"]
+    balance = result.rows.energies["bearings"] - calculated.rows.energies["bearings"]
     assert np.abs(balance).max() <= tol.SERVED * calculated.rows.energies["bearings"].max()
 
 
@@ -230,9 +232,9 @@ def test_a_late_specimen_whose_command_is_extrapolated_by_its_delay(measured: Re
         laboratory = {"delay": late, "compensation": order}
         calculated = run_hybrid(laboratory=laboratory)
         with served(delay=STEPS_LATE) as server:
-            found = run_hybrid(laboratory={**laboratory, "specimen": server.address})
+            result = run_hybrid(laboratory={**laboratory, "specimen": server.address})
         scale = np.abs(ideal.rows.q).max()
-        assert np.abs(calculated.rows.q - found.rows.q).max() <= tol.SERVED * scale
+        assert np.abs(calculated.rows.q - result.rows.q).max() <= tol.SERVED * scale
         errors.append(np.abs(calculated.rows.q - ideal.rows.q).max() / scale)
     assert errors[1] < 0.3 * errors[0]
     assert errors[2] < 0.3 * errors[1]
@@ -267,11 +269,11 @@ def test_a_lost_specimen_ends_the_test_and_what_was_measured_is_kept(
 ) -> None:
     whole = run_hybrid(duration=1.0)
     with served(answer=answer) as server:
-        found = run_hybrid(duration=1.0, laboratory={"specimen": server.address, **limits})
-    assert found.outcome == "specimen_lost"
-    assert found.steps == AFTER - 1  # the first answer is that at rest
-    assert len(found.rows.q) == AFTER
-    np.testing.assert_allclose(found.rows.q, whole.rows.q[:AFTER], atol=1e-9)
+        result = run_hybrid(duration=1.0, laboratory={"specimen": server.address, **limits})
+    assert result.outcome == "specimen_lost"
+    assert result.steps == AFTER - 1  # the first answer is that at rest
+    assert len(result.rows.q) == AFTER
+    np.testing.assert_allclose(result.rows.q, whole.rows.q[:AFTER], atol=1e-9)
 
 
 def _always(value: float) -> Answer:
@@ -294,11 +296,11 @@ def test_a_force_that_the_calculated_bearing_rules_out_ends_the_test(
     answer: Answer, outcome: str
 ) -> None:
     with served(answer=answer) as server:
-        found = run_hybrid(laboratory={"specimen": server.address})
-    assert found.outcome == outcome
-    assert "last good step" in found.note
-    force = found.bearing()["force"]
-    assert found.steps < len(server.commands) or len(server.commands) == 1
+        result = run_hybrid(laboratory={"specimen": server.address})
+    assert result.outcome == outcome
+    assert "last good step" in result.note
+    force = result.bearing()["force"]
+    assert result.steps < len(server.commands) or len(server.commands) == 1
     assert np.abs(force).max(initial=0.0) < 1e3
     assert server.log[-1][0] == Action.END
     assert ALL_SENTENCES[outcome]
@@ -306,8 +308,8 @@ def test_a_force_that_the_calculated_bearing_rules_out_ends_the_test(
 
 def test_a_force_limit_of_the_laboratory_replaces_that_of_the_twin() -> None:
     with served(answer=_at(AFTER, 9e5)) as server:
-        found = run_hybrid(laboratory={"specimen": server.address, "force_limit": 1e6})
-    assert found.outcome != IMPLAUSIBLE_FORCE
+        result = run_hybrid(laboratory={"specimen": server.address, "force_limit": 1e6})
+    assert result.outcome != IMPLAUSIBLE_FORCE
 
 
 def outcome_of(damping: float, stiffness: float = 1.0, noise: float = 0.0) -> str:
@@ -421,22 +423,22 @@ def test_ctrl_c_stops_the_specimen() -> None:
         return force
 
     with served(answer=_interrupt) as server:
-        found = run_hybrid(laboratory={"specimen": server.address})
-    assert found.outcome == "interrupted"
+        result = run_hybrid(laboratory={"specimen": server.address})
+    assert result.outcome == "interrupted"
     assert server.log[-1][0] == Action.END
-    assert len(found.rows.q) in (AFTER - 1, AFTER, AFTER + 1)
+    assert len(result.rows.q) in (AFTER - 1, AFTER, AFTER + 1)
 
 
 @pytest.mark.parametrize(
-    ("address", "found"),
+    ("address", "result"),
     [
         ("tcp://localhost:8090", ("localhost", 8090)),
         ("tcp://[fe80::1]:65535", ("fe80::1", 65535)),
         ("tcp://10.0.0.7:1/", ("10.0.0.7", 1)),
     ],
 )
-def test_addresses(address: str, found: tuple[str, int]) -> None:
-    assert read_address(address) == found
+def test_addresses(address: str, result: tuple[str, int]) -> None:
+    assert read_address(address) == result
 
 
 @pytest.mark.parametrize(
@@ -489,11 +491,11 @@ def test_what_does_not_go_with_a_specimen(changes: dict[str, Any], key: str) -> 
 def test_a_checked_laboratory_reaches_the_case() -> None:
     with served() as server:
         lab = Laboratory(force_limit=500.0, specimen=server.address)
-        found = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab)
-    assert found.outcome == "completed"
-    assert server.address in found.dataset.attrs["case"]
-    pieces = build_pieces(found)
+        result = tb.hybrid(LHDR, ambient=-20, duration=0.5, laboratory=lab)
+    assert result.outcome == "completed"
+    assert server.address in result.dataset.attrs["case"]
+    pieces = build_pieces(result)
     assert any(server.address in text for text in pieces.assumptions)
-    energy, analysis = found.energy.assign(mechanical_residual=0.5), {"scheme": "conservative"}
+    energy, analysis = result.energy.assign(mechanical_residual=0.5), {"scheme": "conservative"}
     limits = [limit for _, _, limit, _ in residual_rows(energy, analysis, measured=True)]
     assert [math.isnan(limit) for limit in limits] == [False, True, False]

@@ -181,8 +181,8 @@ def test_the_other_bound_may_govern_in_another_motion() -> None:
 
 
 def test_energy_balance_of_a_bridge_on_virgin_rubber() -> None:
-    found = tb.bridge(["shen-hdr-bridge", "shen-lhdr-bridge"], state="virgin", **BRIDGE)
-    residual = found.energy["structure_residual"].abs().max()
+    result = tb.bridge(["shen-hdr-bridge", "shen-lhdr-bridge"], state="virgin", **BRIDGE)
+    residual = result.energy["structure_residual"].abs().max()
     assert residual < tol.STRUCTURE_BALANCE
 
 
@@ -219,12 +219,12 @@ def test_lines_with_their_own_state_in_lockstep_are_those_one_by_one() -> None:
     for column in ("bearing_force_max_kN", "bearing_strain_max", "pier_displacement_max_mm"):
         assert_allclose(lanes[column], alone[column], rtol=tol.LANE_PEAK)
     lines[0]["state"] = "tested"
-    found = tb.bridge(
+    result = tb.bridge(
         "shen-lhdr-bridge", "jra-ii-i-1", [23, -20], lines=lines, duration=3,
         structure="five-span-girder",
     )  # fmt: skip
     tested = alone[rows[name] == 0.0]
-    assert_array_equal(tested["bearing_force_max_kN"], found.table["bearing_force_max_kN"])
+    assert_array_equal(tested["bearing_force_max_kN"], result.table["bearing_force_max_kN"])
     stiffer = alone[rows[name] == 0.5]["bearing_force_max_kN"].to_numpy()
     assert np.all(stiffer > tested["bearing_force_max_kN"].to_numpy())
 
@@ -292,8 +292,8 @@ def test_resolved_case_reads_back_to_the_same_state() -> None:
 def test_command_line(tmp_path: Path) -> None:
     words = "cyclic --bearing shen-hdr-specimen --strain 0.5 --cycles 1 --ambient 23 --no-figures"
     options = ["--state", "recovered after 1 year", "-o", str(tmp_path / "out"), "--quiet"]
-    found = CliRunner().invoke(app, [*words.split(), *options])
-    assert found.exit_code == 0, found.output
+    result = CliRunner().invoke(app, [*words.split(), *options])
+    assert result.exit_code == 0, result.output
     summary = tb.load_result(tmp_path / "out").summary()
     assert summary["rubber_state"]["shen-hdr-specimen"]["share"] == pytest.approx(1 - np.exp(-2))
     assert any("assumed" in text for text in summary["warnings"])
@@ -304,10 +304,10 @@ def test_sequence_wears_virgin_rubber_once() -> None:
     parts = [{"part": "cyclic", "steps": cycles, "dt": "20 ms"}] * 2
     peaks = {}
     for state in ("tested", "virgin"):
-        found = tb.sequence({"bearing": "shen-hdr-specimen", "parts": parts}, state=state)
-        peaks[state] = [float(part["force"].max()) for part in found.parts]
-        assert sum("scragging" in text for text in found.warnings) == (state == "virgin")
-        assert found.summary()["rubber_state"]["shen-hdr-specimen"]["state"] == state
+        result = tb.sequence({"bearing": "shen-hdr-specimen", "parts": parts}, state=state)
+        peaks[state] = [float(part["force"].max()) for part in result.parts]
+        assert sum("scragging" in text for text in result.warnings) == (state == "virgin")
+        assert result.summary()["rubber_state"]["shen-hdr-specimen"]["state"] == state
     ratio = np.array(peaks["virgin"]) / np.array(peaks["tested"])
     assert ratio[0] > 1.2
     assert 1.0 < ratio[1] < ratio[0] - 0.05
@@ -332,9 +332,9 @@ WORDS = ("tested", "virgin")
 
 def test_lambda_has_the_bounds_of_both_states() -> None:
     report = run_factors(["shen-hdr-bridge"], strains=[1.75], temperatures=[-20.0])
-    found = report._bounds.set_index("bound")
-    assert list(found.index) == ["lower", "upper", "virgin"]
-    assert found["Q_d_kN"].is_monotonic_increasing
+    result = report._bounds.set_index("bound")
+    assert list(result.index) == ["lower", "upper", "virgin"]
+    assert result["Q_d_kN"].is_monotonic_increasing
     alone = run_factors(["shen-hdr-bridge"], strains=[1.75], temperatures=[-20.0], state="virgin")
     assert_array_equal(alone._bounds.drop(columns="bound"), report._bounds.drop(columns="bound"))
     first = alone.table.query("basis == 'first' and quantity == 'K_eq' and ambient_degC == -20")
@@ -376,12 +376,12 @@ def test_first_cycle_of_virgin_rubber_is_the_upper_bound() -> None:
 
 def test_design_checks_virgin_rubber() -> None:
     case: dict[str, Any] = {"motions": ["jra-ii-i-1"], "ambient": ["-20 degC"], "dt": "10 ms"}
-    found = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
-    assert found.usable
+    result = run_design(case, templates=[tb.load_bearing("shen-hdr-bridge")])
+    assert result.usable
     (tested,), (virgin,) = (
-        table.to_dict("records") for table in (found.temperatures, found.virgin)
+        table.to_dict("records") for table in (result.temperatures, result.virgin)
     )
     assert virgin["force_kN"] > tested["force_kN"]
     assert virgin["displacement_mm"] < tested["displacement_mm"]
-    assert len(found.summary()["both_states"]) == 1
-    assert "virgin" in found.tables()
+    assert len(result.summary()["both_states"]) == 1
+    assert "virgin" in result.tables()

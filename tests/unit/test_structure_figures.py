@@ -122,8 +122,8 @@ def test_supports_with_coordinates_stand_to_scale() -> None:
 def test_a_structure_fits_in_a_column_of_a_paper(name: str) -> None:
     """Its legend is wrapped, and takes no room from the panel."""
     with figure_style({"width": "single-column"}):
-        found = tb.examine_structure(name)
-        shown = [found.plot.model(), *([found.plot.plan()] if found.structure.plan else [])]
+        result = tb.examine_structure(name)
+        shown = [result.plot.model(), *([result.plot.plan()] if result.structure.plan else [])]
         for figure in shown:
             assert overlaps(figure) == []
             assert figure.axes[0].get_window_extent().height > 1.5 * figure.dpi

@@ -154,10 +154,10 @@ def test_actuator_is_where_it_was_commanded_to_be_a_delay_ago(steps: float, tmp_
     assert study.outcome == "completed"
     reported = (study["deck_displacement"] - study["pier_top_displacement"]).values[0] / 6.0
     late = np.interp(study["time"].values[0] - steps * dt, study["time"].values[0], reported)
-    found = study["bearing_displacement"].values[0]
-    assert np.abs(found).max() > 2.0
+    result = study["bearing_displacement"].values[0]
+    assert np.abs(result).max() > 2.0
     # The command was the prediction of a step, before it was corrected.
-    assert np.abs(found - late).max() < tol.DELAYED * np.abs(found).max()
+    assert np.abs(result - late).max() < tol.DELAYED * np.abs(result).max()
 
 
 def prepared_with(structure: Structure, **damping: Any) -> run.Prepared:
@@ -217,12 +217,12 @@ def test_rayleigh_goes_through_the_chosen_modes() -> None:
     own = bare_ratios(run.prepare_structure(PIER))
     w = _bare_modes(PIER, run.prepare_structure(PIER).matrices).frequencies
     for first, second in ((0, 1), (0, 2)):
-        found = bare_ratios(prepared_with(PIER, kind="rayleigh", modes=(first + 1, second + 1)))
-        assert_allclose(found[[first, second]], own[[first, second]], rtol=1e-9)
+        result = bare_ratios(prepared_with(PIER, kind="rayleigh", modes=(first + 1, second + 1)))
+        assert_allclose(result[[first, second]], own[[first, second]], rtol=1e-9)
         rates = 2.0 * own * w
         b = (rates[second] - rates[first]) / (w[second] ** 2 - w[first] ** 2)
         a = rates[first] - b * w[first] ** 2
-        assert_allclose(found, 0.5 * (a / w + b * w), rtol=1e-9)
+        assert_allclose(result, 0.5 * (a / w + b * w), rtol=1e-9)
     alone = prepared_with(two_springs(), kind="rayleigh", modes=(1,), ratios=(0.05,))
     assert_allclose(alone.damping, np.diag([0.0, 2.0 * 0.05 / 20.0 * 400.0]), atol=1e-12)
 
@@ -380,8 +380,8 @@ def test_the_matrix_is_the_printed_one(signs: int) -> None:
     """With the 0 % of Table 6.2 for the bearings it does not matter how c_1 is signed."""
     c2, c3 = dashpots()
     expected = printed(0.0, c2, c3, signs=signs)
-    found = in_the_order_of_the_print(PIER)
-    assert_allclose(found, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
+    result = in_the_order_of_the_print(PIER)
+    assert_allclose(result, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
 
 
 def test_bearings_with_a_ratio_have_c_1() -> None:
@@ -394,8 +394,8 @@ def test_bearings_with_a_ratio_have_c_1() -> None:
     c1 = 2.0 * 0.03 * 5 * 2.6153 / second
     c2, c3 = dashpots()
     expected = printed(c1, c2, c3, signs=-1)
-    found = in_the_order_of_the_print(structure)
-    assert_allclose(found, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
+    result = in_the_order_of_the_print(structure)
+    assert_allclose(result, expected, rtol=tol.LOOP, atol=tol.ROUNDING * np.abs(expected).max())
     # As printed, Eq. 6.5-6.7 would push the pier with the force that holds the deck.
     scale = np.diag([1.0, 1.0 / L12, 1.0, 1.0 / L3])
     as_printed = scale @ printed(c1, 0.0, (0.0, 0.0), signs=1) @ scale
@@ -535,8 +535,8 @@ def test_show_draws_a_structure_in_plan(tmp_path: Path) -> None:
     modes = pd.read_csv(out / "periods.csv").filter(like="effective_mass_")
     assert_allclose(modes.sum(), 1.0, rtol=1e-5)
     assert load_structure(out / "case.resolved.toml") == load_structure("five-span-bridge")
-    said = " ".join(build_pieces(read_saved(out)).answer)
-    assert "across" in said
+    output = " ".join(build_pieces(read_saved(out)).answer)
+    assert "across" in output
 
 
 def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
@@ -544,14 +544,14 @@ def test_show_without_a_directory_and_a_bad_name(tmp_path: Path) -> None:
     assert last_line(done)["modes"][0]["mode"] == 1
     own = tmp_path / "two.toml"
     own.write_text(to_toml(make_bridge(two_piers())))
-    for words, said in (
+    for words, output in (
         (["pier-p2"], '"pier-p1"'),
         (["pier-p1", "--mass", "heavy"], "mass = 'heavy'"),
         ([str(own), "--fixed-base"], "springs"),
     ):
         done = command("structures", "show", *words)
         assert done.exit_code == 2
-        assert said in done.stderr
+        assert output in done.stderr
 
 
 def test_effective_masses_are_all_mass_that_moves() -> None:

@@ -31,15 +31,15 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("study")
     (folder / "small.toml").write_text(FILE)
     words = ["study", str(folder / "small.toml"), "-o", str(folder / "out"), "--jobs", "1"]
-    found = CliRunner().invoke(app, [*words, "-q"])
-    assert found.exit_code == 0, found.output
+    result = CliRunner().invoke(app, [*words, "-q"])
+    assert result.exit_code == 0, result.output
     return folder
 
 
 def last(words: list[str]) -> dict[str, object]:
-    found = CliRunner().invoke(app, [*words, "--json"])
-    line = dict(json.loads(found.stdout.strip().splitlines()[-1]))
-    assert line["exit_status"] == found.exit_code
+    result = CliRunner().invoke(app, [*words, "--json"])
+    line = dict(json.loads(result.stdout.strip().splitlines()[-1]))
+    assert line["exit_status"] == result.exit_code
     return line
 
 
@@ -69,10 +69,10 @@ def test_resuming_is_said_and_needs_a_study(done: Path) -> None:
 
 def test_a_start_reports_time_and_memory(done: Path) -> None:
     study = ["study", str(done / "small.toml"), "-o", str(done / "timed"), "--jobs", "1"]
-    found = last(study)
-    assert found["computed_runs"] == 8
-    assert 0.0 < float(str(found["seconds"])) < 600.0
-    assert 10.0 < float(str(found["peak_memory_MB"])) < 10_000.0
+    result = last(study)
+    assert result["computed_runs"] == 8
+    assert 0.0 < float(str(result["seconds"])) < 600.0
+    assert 10.0 < float(str(result["peak_memory_MB"])) < 10_000.0
 
 
 def test_a_dry_run_writes_nothing(done: Path) -> None:
@@ -105,8 +105,8 @@ def test_a_study_notes_that_one_component_of_a_pair_acts(tmp_path: Path) -> None
     (tmp_path / "pairs.toml").write_text(table.replace("2 s", "0.2 s"))
     note, _ = last(["study", *study, "--dry-run", "-q"])["notes"]
     assert "1 of 2 motions" in note
-    said = CliRunner().invoke(app, ["study", *study, "--dry-run"]).stdout
-    assert note in " ".join(said.split())
+    output = CliRunner().invoke(app, ["study", *study, "--dry-run"]).stdout
+    assert note in " ".join(output.split())
     assert last(["study", *study, "-o", str(tmp_path / "out"), "-q"])["exit_status"] == 0
     assert note in tb.load_result(tmp_path / "out").warnings
     motions: list[Any] = ["jra-i-i-1", {"name": "jra-ii-i-1", "across": "jra-ii-i-2"}]
@@ -142,16 +142,16 @@ def test_status_and_table(done: Path) -> None:
     assert text["ambient_degC"].tolist() == [-20.0, 23.0] * 4
     words = ["study", "table", str(done / "out"), "-o"]
     for name, reported in (("runs.csv", "--overwrite"), ("runs.ods", ".csv or .xlsx")):
-        found = CliRunner().invoke(app, [*words, str(done / name)])
-        assert found.exit_code == 2
-        assert reported in found.stderr
+        result = CliRunner().invoke(app, [*words, str(done / name)])
+        assert result.exit_code == 2
+        assert reported in result.stderr
 
 
 def test_what_is_no_study_is_reported(done: Path) -> None:
-    found = CliRunner().invoke(app, ["study", str(done / "none.toml")])
-    assert (found.exit_code, "no such file" in found.stderr) == (2, True)
-    found = CliRunner().invoke(app, ["study", "status", str(done)])
-    assert found.exit_code == 2
+    result = CliRunner().invoke(app, ["study", str(done / "none.toml")])
+    assert (result.exit_code, "no such file" in result.stderr) == (2, True)
+    result = CliRunner().invoke(app, ["study", "status", str(done)])
+    assert result.exit_code == 2
     with pytest.raises(tb.InputError, match="need a directory"):
         tb.study(done / "small.toml", jobs=2)
     with pytest.raises(tb.InputError, match="must be a file"):

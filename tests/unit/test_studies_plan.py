@@ -116,8 +116,8 @@ def test_the_intensity_of_a_pair_is_its_median_over_directions(scale: dict[str, 
     axes = [replace(pair, angle=float(angle)).along("x") for angle in range(180)]
     peaks = [record.intensity(one, made.factors.scale) for one in axes]
     wanted = 1.5 * float(np.median(peaks))
-    found = runs[record.COLUMNS[made.factors.scale.measure]]
-    assert_allclose(found, [wanted, wanted], rtol=tol.PLANE_TURNED)
+    result = runs[record.COLUMNS[made.factors.scale.measure]]
+    assert_allclose(result, [wanted, wanted], rtol=tol.PLANE_TURNED)
 
 
 def test_peaks_of_studies_in_plan_are_those_of_histories(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -435,8 +435,8 @@ def test_samples_of_a_posterior(tmp_path: Path) -> None:
     assert runs["id"].nunique() == 5  # four samples, and one bearing that is always the same
     for row, task in zip(runs.to_dict("records"), done, strict=True):
         if row["bearing"] == "fitted":
-            found = task.device.bearing.hysteresis  # type: ignore[union-attr]
-            assert found.layer_stiffness == 30.0 + row["bearing.sample"]
+            result = task.device.bearing.hysteresis  # type: ignore[union-attr]
+            assert result.layer_stiffness == 30.0 + row["bearing.sample"]
     alone = study(DRAWS, bearing={"posterior": place, "count": 2})
     assert set(designs.Plan(alone).runs["bearing.sample"]) <= {0, 1}
 
@@ -444,13 +444,13 @@ def test_samples_of_a_posterior(tmp_path: Path) -> None:
 def test_a_compound_and_its_sizes() -> None:
     size = {"plan": "1000x1000mm", "layers": ["20x8mm", "25x8mm"], "shim": "3mm", "lead": "180mm"}
     made = study(bearing={"compound": "natural-rubber", "size": size})
-    found = made.factors.bearing.levels
-    assert [one.name for one in found] == [
+    result = made.factors.bearing.levels
+    assert [one.name for one in result] == [
         "natural-rubber layers 20x8mm",
         "natural-rubber layers 25x8mm",
     ]
     one = {key: value if isinstance(value, str) else value[1] for key, value in size.items()}
-    assert found[1] == new_bearing(found[1].name, "natural-rubber", **one)
+    assert result[1] == new_bearing(result[1].name, "natural-rubber", **one)
 
 
 def test_bearings_whose_lead_differs_are_not_as_warm(tmp_path: Path) -> None:
@@ -496,10 +496,10 @@ def test_distributions_have_the_moments_that_are_reported(
         {"kind": "monte-carlo", "samples": 1}, **{"bearing.K_r": {"distribution": kind} | words}
     )
 
-    found = designs.Plan(made).columns[-1].distribution
-    assert found is not None
+    result = designs.Plan(made).columns[-1].distribution
+    assert result is not None
     points = (np.arange(100_000) + 0.5) / 100_000
-    values = found.at(points)
+    values = result.at(points)
     assert values.mean() == pytest.approx(mean, rel=tol.QUADRATURE_OF_TAILS)
     assert values.std() == pytest.approx(deviation, rel=tol.QUADRATURE_OF_TAILS)
 

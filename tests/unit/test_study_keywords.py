@@ -47,10 +47,10 @@ OPTIONS: dict[str, Any] = {
 @pytest.fixture
 def make_case(monkeypatch: pytest.MonkeyPatch) -> Callable[..., EarthquakeCase]:
     def make_case(call: Callable[..., Any], *args: Any, **options: Any) -> EarthquakeCase:
-        found: list[EarthquakeCase] = []
-        monkeypatch.setattr(study, "run_earthquake", lambda case, **_: found.append(case))
+        result: list[EarthquakeCase] = []
+        monkeypatch.setattr(study, "run_earthquake", lambda case, **_: result.append(case))
         call(*args, **options)
-        return found[0]
+        return result[0]
 
     return make_case
 

@@ -105,8 +105,8 @@ def test_a_table_is_a_spectrum(tmp_path: Path) -> None:
     """Straight between its points where both axes are logarithmic; in any unit."""
     file = tmp_path / "site.csv"
     file.write_text("period_s,acceleration_gal\n0.1,400\n0.4,800\n3,100\n")
-    found = load_spectrum(file, 2.0).at(np.array([0.05, 0.2, 0.4, 6.0]))
-    assert_allclose(found, 20.0 * np.array([400.0, 800.0 / np.sqrt(2.0), 800.0, 50.0]))
+    result = load_spectrum(file, 2.0).at(np.array([0.05, 0.2, 0.4, 6.0]))
+    assert_allclose(result, 20.0 * np.array([400.0, 800.0 / np.sqrt(2.0), 800.0, 50.0]))
     assert STANDARD_NAMES[3] == "jra-ii-i"
     standard = load_spectrum("jra-ii-iii", 0.7).at(np.array([0.3, 1.0, 2.0]))
     assert_array_equal(standard, standard_spectrum("II", "III", [0.3, 1.0, 2.0], zone_factor=0.7))
@@ -164,15 +164,15 @@ def test_another_part_that_was_quicker_has_the_motions(
         asked.append(study)
         if len(asked) > 1:
             return make(study, *words, **others)
-        found = make(study)
+        result = make(study)
         other = [
             replace(m, acceleration=m.acceleration + 1e-9)
-            for m in motions.factor_motions(found.factors.motion)
+            for m in motions.factor_motions(result.factors.motion)
         ]
-        changed = found.model_copy(deep=True)
+        changed = result.model_copy(deep=True)
         changed.factors.motion.matched_motions(other)
         run_study(changed, out, jobs=1, shard="1/2")
-        return found
+        return result
 
     monkeypatch.setattr(engine, "with_matched", late)
     assert run_study(matched(), out, jobs=1, shard="2/2").done > 0
@@ -221,10 +221,10 @@ def test_words_are_refused_before_anything_is_made(tmp_path: Path, fits: "Counte
 
 
 def test_a_dry_run_makes_one_motion(tmp_path: Path, fits: "Counter[str]") -> None:
-    found = forecast(matched(), jobs=1)
-    assert (found.runs, found.motions, found.failed) == (4, 1, 0)
-    assert found.motion_seconds > 0.0
-    assert found.whole_seconds > found.motion_seconds
+    result = forecast(matched(), jobs=1)
+    assert (result.runs, result.motions, result.failed) == (4, 1, 0)
+    assert result.motion_seconds > 0.0
+    assert result.whole_seconds > result.motion_seconds
     assert fits == {NAMES[0]: 1}
     assert len(Plan(matched()).runs)
     assert forecast(matched()).motions == 0

@@ -32,7 +32,7 @@ def test_another_demand_does_not_take_over_the_capacity_of_the_last_one() -> Non
 
 
 @pytest.mark.parametrize(
-    ("table", "said"),
+    ("table", "message"),
     [
         ({"capcity": 1.0}, 'did you mean "capacity"'),
         ({"capacity": -1.0}, "capacity = -1"),
@@ -47,8 +47,8 @@ def test_another_demand_does_not_take_over_the_capacity_of_the_last_one() -> Non
         ({"failed": "ignored"}, "left-out"),
     ],
 )
-def test_bad_questions(table: dict[str, Any], said: str, tmp_path: Path) -> None:
-    assert_refused(lambda: _make_question(table, "question.toml", tmp_path), said)
+def test_bad_questions(table: dict[str, Any], message: str, tmp_path: Path) -> None:
+    assert_refused(lambda: _make_question(table, "question.toml", tmp_path), message)
 
 
 def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:

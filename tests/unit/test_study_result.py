@@ -227,10 +227,10 @@ def test_drawn_temperatures_are_put_into_classes_and_are_a_climate_themselves() 
 
 
 def test_variance_by_correlation_ratio() -> None:
-    found = made_up().variance().set_index("factor")
-    assert found["share"]["scale"] > found["share"]["ambient_degC"]
-    assert found["share"].sum() == pytest.approx(1.0)
-    assert found["left_out"].iloc[0] == made_up().failed
+    result = made_up().variance().set_index("factor")
+    assert result["share"]["scale"] > result["share"]["ambient_degC"]
+    assert result["share"].sum() == pytest.approx(1.0)
+    assert result["left_out"].iloc[0] == made_up().failed
 
 
 def test_every_figure_reports_failed_runs() -> None:
@@ -351,9 +351,9 @@ def test_the_figure_of_the_variance_says_that_a_share_below_zero_is_an_error() -
 def test_collapses_leave_shares_of_the_variance_and_are_stated_once() -> None:
     """They have no number: shares of all factors were NaN, and the figure an empty frame."""
     result = beyond_limit()
-    found = result.variance()
-    assert_allclose(found["share"], made_up().variance()["share"])
-    assert (found["left_out"] == result.failed).all()
+    actual = result.variance()
+    assert_allclose(actual["share"], made_up().variance()["share"])
+    assert (actual["left_out"] == result.failed).all()
     assert drawing.holds_data(result.plot.variance())
     (sentence,) = result.warnings
     assert sentence.count(f"{result.failed} of {result.runs} runs failed") == 1
@@ -496,11 +496,11 @@ def test_paired_draws_have_one_share_of_the_variance() -> None:
     """One number of the draw tells all of its factors: they had equal shares, and the rest less
     than nothing.
     """
-    found = drawn(paired=True).variance().set_index("factor")["share"]
+    result = drawn(paired=True).variance().set_index("factor")["share"]
     both = "ambient_degC, bearing.K_r, bearing.m_T"
-    assert list(found.index) == ["motion", "PGA_m_s2", both, "interaction and rest"]
-    assert found["interaction and rest"] >= 0.0
-    assert found.sum() == pytest.approx(1.0)
+    assert list(result.index) == ["motion", "PGA_m_s2", both, "interaction and rest"]
+    assert result["interaction and rest"] >= 0.0
+    assert result.sum() == pytest.approx(1.0)
     alone = drawn(paired=False).variance()["factor"].tolist()
     assert alone[2:] == ["ambient_degC", "bearing.K_r", "bearing.m_T", "interaction and rest"]
 
@@ -532,8 +532,8 @@ def test_tables_say_their_units() -> None:
     heads = {name: [column.title for column in table.columns] for name, table in tables.items()}
     assert {"Median PGA [m/s²]", "Median PGA, 95 % low [m/s²]"} <= set(heads["fragility"])
     assert {"Rate [1/year]", "Rate high [1/year]", "Return period [year]"} <= set(heads["rates"])
-    said = [part.split(": ")[1] for part in tables["fragility"].note.split("; ")]
-    assert len(said) == len(set(said))
+    output = [part.split(": ")[1] for part in tables["fragility"].note.split("; ")]
+    assert len(output) == len(set(output))
     strain = made_up().table.assign(bearing_displacement_max_mm=made_up().table["pier_ductility"])
     question = Question(demand="bearing_displacement_max_mm")
     demand = result_tables(StudyResult(strain, made_up().study, {}, question=question))["demand"]
@@ -567,8 +567,8 @@ def directory(small_done: Path, tmp_path: Path) -> Path:
 
 
 def run(words: list[Any]) -> tuple[int, str]:
-    found = CliRunner().invoke(app, [str(word) for word in words])
-    return found.exit_code, found.output
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    return result.exit_code, result.output
 
 
 def test_a_question_is_kept_and_read_back(directory: Path) -> None:
@@ -606,17 +606,17 @@ def test_a_document_answers(directory: Path) -> None:
 @pytest.mark.thorough
 def test_figures_by_the_command(directory: Path) -> None:
     words = ["figures", directory, "--demand", "bearing_strain_max", "--capacity", CAPACITY]
-    status, said = run([*words, "--hazard", directory.parent / "site.csv", "--json"])
-    assert status == 0, said
-    reported = json.loads(said.splitlines()[-1])
+    status, output = run([*words, "--hazard", directory.parent / "site.csv", "--json"])
+    assert status == 0, output
+    reported = json.loads(output.splitlines()[-1])
     names = [Path(name).stem for name in reported["files"]]
     assert {"demand", "variance", "ida-shen-hdr-bridge", "rates-shen-hdr-bridge"} <= set(names)
     # Figures of another demand than the default one do not replace those.
     folders = {Path(name).parent for name in reported["files"]}
     assert folders == {directory / "figures" / "bearing_strain_max"}
-    assert "Annual rates, shen-hdr-bridge" in said
+    assert "Annual rates, shen-hdr-bridge" in output
     assert load_question(directory).capacity == CAPACITY
-    status, said = run(["figures", directory, "--capacity", "-1"])
+    status, output = run(["figures", directory, "--capacity", "-1"])
     assert status == 2
 
 
@@ -626,28 +626,28 @@ def test_figures_of_a_paper_by_the_command(directory: Path) -> None:
     text = (directory / "figures" / "demand.svg").read_text()
     assert 'width="255.1' in text  # 90 mm in points
     assert "against" not in text  # the title
-    status, said = run(["figures", directory, "--figure-width", "3"])
+    status, output = run(["figures", directory, "--figure-width", "3"])
     assert status == 2
-    assert "figure-width" in said
+    assert "figure-width" in output
 
 
 @pytest.mark.thorough
 def test_worst_and_repeat_by_the_command(directory: Path, tmp_path: Path) -> None:
     words = ["worst", directory, "--count", 2, "--demand", "bearing_strain_max", "--json"]
-    status, said = run(words)
-    assert status == 0, said
-    worst = json.loads(said.splitlines()[-1])["runs"]
+    status, output = run(words)
+    assert status == 0, output
+    worst = json.loads(output.splitlines()[-1])["runs"]
     assert len(worst) == 2
-    assert worst[0]["command"] in said
+    assert worst[0]["command"] in output
     number = worst[0]["run"]
-    status, said = run(["repeat", directory, number, "-o", tmp_path / "again", "--no-figures"])
-    assert status == 0, said
+    status, output = run(["repeat", directory, number, "-o", tmp_path / "again", "--no-figures"])
+    assert status == 0, output
     again = tb.load_result(tmp_path / "again")
     strain = study_result(directory).table.set_index("run")["bearing_strain_max"][number]
     assert again.table["bearing_strain_max"].tolist() == [strain]
-    status, said = run(["repeat", directory, 8])
+    status, output = run(["repeat", directory, 8])
     assert status == 2
-    assert "no run 8" in said
+    assert "no run 8" in output
 
 
 def test_figures_read_the_columns_that_they_need(directory: Path) -> None:

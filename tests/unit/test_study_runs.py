@@ -58,27 +58,27 @@ PIER_HEIGHT = 10e3  # of pier P1 above its footing [mm]
 def test_numbers_are_those_of_an_earthquake_analysis() -> None:
     """Every column that `bridge` has too, to the last bit, and its energy balance."""
     study = small_study({"duration": "3 s"}, bearing=["shen-lhdr-bridge", "shen-bilinear-bridge"])
-    found = run_shard(Plan(study), Plan(study).runs)
-    found = found[found["scale"] == 1.0].reset_index(drop=True)
+    result = run_shard(Plan(study), Plan(study).runs)
+    result = result[result["scale"] == 1.0].reset_index(drop=True)
     names = ["shen-lhdr-bridge", "shen-bilinear-bridge"]
     whole = tb.bridge(names, "jra-ii-i-1", [23.0, -20.0], duration=3.0, keep=tb.Keep(every=1))
-    assert found["bearing"].tolist() == whole.table["bearing"].tolist()
+    assert result["bearing"].tolist() == whole.table["bearing"].tolist()
     for name in COLUMNS:
-        assert_array_equal(found[name], whole.table[name], err_msg=name)
+        assert_array_equal(result[name], whole.table[name], err_msg=name)
     for name in ("structure_residual", "mechanical_residual", "thermal_residual"):
-        assert_array_equal(found[name], whole.energy[name], err_msg=name)
-    assert_array_equal(found["damping_of_input"], whole.table["damping_of_input"])
+        assert_array_equal(result[name], whole.energy[name], err_msg=name)
+    assert_array_equal(result["damping_of_input"], whole.table["damping_of_input"])
     # Cycles need a history, which runs in lockstep do not have.
     outside = [text.replace(" cycles", "") for text in whole.table["beyond_tested"]]
-    assert found["beyond_tested"].tolist() == outside
+    assert result["beyond_tested"].tolist() == outside
     assert any("strain_rate" in text for text in outside)
     hottest = [whole.hottest(run) for run in range(whole.runs)]
     for place in ("rubber", "lead"):
         expected = np.array([one[place] for one in hottest], dtype=np.float32)
-        assert_array_equal(found[f"{place}_max_degC"].astype(np.float32), expected)
+        assert_array_equal(result[f"{place}_max_degC"].astype(np.float32), expected)
     moved = whole["bearing_displacement"].values[:, -1]
-    assert_array_equal(found["bearing_displacement_residual_mm"].astype(np.float32), moved)
-    height = found["pier_displacement_max_mm"] / found["pier_drift_max"]
+    assert_array_equal(result["bearing_displacement_residual_mm"].astype(np.float32), moved)
+    height = result["pier_displacement_max_mm"] / result["pier_drift_max"]
     np.testing.assert_allclose(height, PIER_HEIGHT, rtol=tol.BOUND_ROUNDING)
 
 
@@ -98,9 +98,9 @@ def test_a_second_start_does_what_is_missing_and_nothing_else(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     study, out = small_study(keep="all"), tmp_path / "out"
-    said: list[tuple[int, int]] = []
-    done = run_study(study, out, jobs=1, size=3, progress=lambda *two: said.append(two))
-    assert said == [(0, 8), (3, 8), (6, 8), (8, 8)]
+    output: list[tuple[int, int]] = []
+    done = run_study(study, out, jobs=1, size=3, progress=lambda *two: output.append(two))
+    assert output == [(0, 8), (3, 8), (6, 8), (8, 8)]
     assert (done.outcome, done.done, done.shards_done) == ("completed", 8, 3)
     before = kept(out)
     run, calls = peaks.run_task, []
@@ -232,9 +232,9 @@ def test_failed_runs_are_reported_with_their_reason(
 def test_the_most_frequent_failure_comes_first() -> None:
     outcomes = ["diverged", "completed", "not_converged", "not_converged"]
     runs = pd.DataFrame({"run": range(4), "outcome": outcomes, "sentence": "Try."})
-    found = count_failures(runs)
-    assert found["outcome"].tolist() == ["not_converged", "diverged"]
-    assert found["first"].tolist() == [2, 0]
+    result = count_failures(runs)
+    assert result["outcome"].tolist() == ["not_converged", "diverged"]
+    assert result["first"].tolist() == [2, 0]
 
 
 def test_a_program_that_always_breaks_is_no_result(
@@ -279,8 +279,8 @@ def test_histories_are_kept_where_they_are_asked_for(tmp_path: Path) -> None:
 
 def test_two_writers(tmp_path: Path, small_files: dict[str, bytes]) -> None:
     run_study(small_study(), tmp_path / "out", jobs=1, shard="1/3", size=1)
-    found = Store(tmp_path / "out").table()
-    assert found["run"].tolist() == [0, 3, 6]
+    result = Store(tmp_path / "out").table()
+    assert result["run"].tolist() == [0, 3, 6]
     with _only_writer(tmp_path / "out"), pytest.raises(OutputError, match="another process"):
         run_study(small_study(), tmp_path / "out", jobs=1)
     with _only_writer(tmp_path / "out", "2-of-3"):
@@ -306,13 +306,13 @@ def test_a_directory_that_another_part_has_made_meanwhile_is_taken(
 
 
 def test_a_part_counts_and_clears_away_its_own(tmp_path: Path) -> None:
-    out, said = tmp_path / "out", []
+    out, output = tmp_path / "out", []
     run_study(small_study(), out, jobs=1, shard="2/2", size=4)
     left = [out / "shards" / f".0000{shard}.parquet-ab" for shard in range(2)]
     for path in left:
         path.touch()
-    run_study(small_study(), out, jobs=1, shard="1/2", progress=lambda *two: said.append(two))
-    assert said == [(0, 4), (4, 4)]
+    run_study(small_study(), out, jobs=1, shard="1/2", progress=lambda *two: output.append(two))
+    assert output == [(0, 4), (4, 4)]
     assert [path.exists() for path in left] == [False, True]
 
 

@@ -69,7 +69,7 @@ def test_failed_runs_are_reported_and_count_only_when_asked() -> None:
 
 
 @pytest.mark.parametrize(
-    ("first", "second", "outcome", "said"),
+    ("first", "second", "outcome", "message"),
     [
         ([0.1] * 4, [0.1] * 4, "none_beyond", "larger intensities"),
         ([3.0] * 4, [3.0] * 4, "all_beyond", "smaller intensities"),
@@ -80,18 +80,18 @@ def test_failed_runs_are_reported_and_count_only_when_asked() -> None:
     ],
 )
 def test_counts_without_a_curve(
-    first: list[float], second: list[float], outcome: str, said: str
+    first: list[float], second: list[float], outcome: str, message: str
 ) -> None:
     table = pd.concat([two_levels(first, second), two_levels([0.1], [3.0])]).iloc[: -2 or None]
     if outcome == "completed":  # overlap: one that stays below at the larger intensity too
         table = pd.concat([table, two_levels([], [0.1])])
-    found = fragility_curve(table.reset_index(drop=True), "drift", 1.0, "im", samples=20)
-    assert found.outcome == outcome
-    assert said in found.estimate.sentence
-    row = found.row()
-    numbers = [row["median"], row["dispersion"], found.probability(1.5)[0]]
+    result = fragility_curve(table.reset_index(drop=True), "drift", 1.0, "im", samples=20)
+    assert result.outcome == outcome
+    assert message in result.estimate.sentence
+    row = result.row()
+    numbers = [row["median"], row["dispersion"], result.probability(1.5)[0]]
     assert np.isfinite(numbers).all() == (outcome == "completed")
-    rate = hazard.annual_rate(found, HAZARD)
+    rate = hazard.annual_rate(result, HAZARD)
     assert np.isfinite(rate.rate) == (outcome != "not_rising")
 
 
@@ -99,12 +99,12 @@ def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
     """With less than half beyond there, the half comes between it and the next intensity."""
     yes = np.array([[0.0, 1.0, 4.0], [0.0, 2.0, 4.0], [0.0, 3.0, 4.0], [0.0, 0.0, 1.0]])
     no = np.array([[4.0, 3.0, 0.0], [4.0, 2.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 3.0]])
-    found = _fit_curves(np.array([1.0, 2.0, 4.0]), yes, no)
-    assert np.isinf(found.slope).all()
-    assert_allclose(np.exp(found.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
+    result = _fit_curves(np.array([1.0, 2.0, 4.0]), yes, no)
+    assert np.isinf(result.slope).all()
+    assert_allclose(np.exp(result.place), [np.sqrt(8.0), 2.0, np.sqrt(2.0), 4.0])
     table = two_levels([0.1, 0.1, 0.1, 3.0], [3.0] * 4)
-    said = fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.sentence
-    assert "only at 1 do some runs exceed the capacity and others not (1 of 4 do)" in said
+    output = fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.sentence
+    assert "only at 1 do some runs exceed the capacity and others not (1 of 4 do)" in output
 
 
 @pytest.mark.parametrize(
@@ -119,8 +119,8 @@ def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:
 def test_one_mixed_intensity_names_the_side_that_lacks_runs(beyond: list[int], advice: str) -> None:
     at = np.repeat(np.arange(1.0, len(beyond) + 1.0), 4)
     above = np.concatenate([np.arange(4) < count for count in beyond])
-    found = stripes(at, above, Draw.of_labels(None, len(at), 5))
-    assert (found.outcome, found.sentence.split("; ")[1]) == ("apart", advice)
+    result = stripes(at, above, Draw.of_labels(None, len(at), 5))
+    assert (result.outcome, result.sentence.split("; ")[1]) == ("apart", advice)
     with_unit = stripes(at, above, Draw.of_labels(None, len(at), 5), "m/s²")
     assert " m/s² do some" in with_unit.sentence
 
@@ -142,9 +142,9 @@ def test_many_intensities_are_put_into_classes_at_their_geometric_mean() -> None
 
 def test_a_demand_that_falls_is_as_likely_beyond_everywhere() -> None:
     at = np.geomspace(1.0, 2.0, 20)
-    found = cloud(at, 5.0 / at + 0.1 * np.sin(50.0 * at), 1.0, Draw.of_labels(None, 20, 5))
-    assert found.outcome == "not_rising"
-    assert (found.best.probability(np.array([0.1, 10.0])) > 0.99).all()
+    result = cloud(at, 5.0 / at + 0.1 * np.sin(50.0 * at), 1.0, Draw.of_labels(None, 20, 5))
+    assert result.outcome == "not_rising"
+    assert (result.best.probability(np.array([0.1, 10.0])) > 0.99).all()
 
 
 def test_a_cloud_is_compared_with_the_exceedances_of_its_own_runs() -> None:
@@ -342,18 +342,18 @@ def test_a_temperature_at_which_nothing_went_beyond_counts_with_zero_in_a_climat
     cold = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0]).assign(ambient_degC=-20.0)
     warm = two_levels([0.1] * 4, [0.1] * 4).assign(ambient_degC=23.0)
     table = pd.concat([cold, warm], ignore_index=True)
-    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=40)
-    climate = combine_curves(found, [0.25, 0.75])
-    assert climate.probability([1.5]) == pytest.approx(0.25 * found[-20.0].probability([1.5]))
+    result = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=40)
+    climate = combine_curves(result, [0.25, 0.75])
+    assert climate.probability([1.5]) == pytest.approx(0.25 * result[-20.0].probability([1.5]))
     low, high = climate.band_at([1.5])
     assert low[0] <= climate.probability([1.5])[0] <= high[0]
-    assert hazard.annual_rate(found[23.0], HAZARD).rate == 0.0
+    assert hazard.annual_rate(result[23.0], HAZARD).rate == 0.0
     assert climate.counts["runs"].tolist() == [8, 8]
     # A quarter of the time never reaches one half, three quarters do where the cold has 2/3.
     assert climate.outcome == "completed"
     assert np.isnan(climate.median)
-    mostly_cold = combine_curves(found, [0.75, 0.25])
-    assert found[-20.0].probability([mostly_cold.median])[0] == pytest.approx(2.0 / 3.0)
+    mostly_cold = combine_curves(result, [0.75, 0.25])
+    assert result[-20.0].probability([mostly_cold.median])[0] == pytest.approx(2.0 / 3.0)
     assert mostly_cold.outcome == hazard.annual_rate(mostly_cold, HAZARD).outcome == "completed"
 
 
@@ -361,10 +361,10 @@ def test_a_temperature_without_a_curve_matters_where_it_comes() -> None:
     cold = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0]).assign(ambient_degC=-20.0)
     falls = two_levels([3.0] * 4, [0.1] * 4).assign(ambient_degC=40.0)
     table = pd.concat([cold, falls], ignore_index=True)
-    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=5)
-    never, often = (combine_curves(found, [1.0 - s, s]) for s in (0.0, 0.1))
-    assert never.probability([1.5]) == found[-20.0].probability([1.5])
-    assert never.median == found[-20.0].median > 0.0
+    result = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", samples=5)
+    never, often = (combine_curves(result, [1.0 - s, s]) for s in (0.0, 0.1))
+    assert never.probability([1.5]) == result[-20.0].probability([1.5])
+    assert never.median == result[-20.0].median > 0.0
     assert np.isnan(often.probability([1.5])).all()
 
 
@@ -374,11 +374,11 @@ def test_demand_classes_and_failures() -> None:
     table = split_runs(ambient_degC=air, drift=50.0 - air, bearing=["a", "b"] * 120)
     table["outcome"] = "completed"
     table.loc[air < -18.0, ["drift", "outcome"]] = [np.nan, "not_converged"]
-    found = demand_against(table, "drift", by=("bearing",))
-    assert found["bearing"].tolist() == ["a"] * 12 + ["b"] * 12
-    assert found["runs"].sum() + found["failed"].sum() == 240
-    assert (found["0.16"] <= found["0.5"]).all()
-    assert (np.diff(found["mean"][:12]) < 0.0).all()
+    result = demand_against(table, "drift", by=("bearing",))
+    assert result["bearing"].tolist() == ["a"] * 12 + ["b"] * 12
+    assert result["runs"].sum() + result["failed"].sum() == 240
+    assert (result["0.16"] <= result["0.5"]).all()
+    assert (np.diff(result["mean"][:12]) < 0.0).all()
     asked = demand_against(table, "drift", by=("bearing",), failed="collapse")
     assert np.isinf(asked["mean"][0])
     assert asked["runs"].sum() == 240
@@ -459,12 +459,12 @@ FAULTS: list[tuple[Any, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("ask", "said"), FAULTS)
-def test_bad_input_has_one_message(ask: Any, said: str) -> None:
+@pytest.mark.parametrize(("ask", "message"), FAULTS)
+def test_bad_input_has_one_message(ask: Any, message: str) -> None:
     table = two_levels([0.1, 0.2, 0.3, 3.0], [0.4, 3.0, 4.0, 5.0])
     with pytest.raises(InputError, match=r".") as caught:
         ask(table)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_hazard_file_needs_rates_or_periods(tmp_path: Any) -> None:

@@ -59,8 +59,8 @@ def test_the_same_numbers_in_any_form(tmp_path: Path, form: str) -> None:
     if form == "units as written":
         sidecar = 'columns = { displacement = "Weg", force = "Kraft" }\n'
         sidecar += 'units = { displacement = "mm", force = "kN" }'
-    found = read_laboratory(lies(tmp_path, FORMS[form], sidecar=sidecar)).values
-    assert {name: values.tolist() for name, values in found.items()} == VALUES
+    result = read_laboratory(lies(tmp_path, FORMS[form], sidecar=sidecar)).values
+    assert {name: values.tolist() for name, values in result.items()} == VALUES
 
 
 @pytest.mark.parametrize(
@@ -223,10 +223,10 @@ def test_workbook_without_its_reader(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_a_degree_sign_of_windows_is_found(tmp_path: Path) -> None:
     text = "time_s;displacement_mm;force_kN;T [°C]\n0;0;0;1\n1;1;1;1\n"
     (sheet,) = read_sheets(lies(tmp_path, text.encode("cp1252")))
-    found = columns.list_columns(
+    result = columns.list_columns(
         columns.usable_table(sheet), {"time": "s", "force": "kN"}, (), columns.Layout()
     )
-    assert found.unused == ["displacement_mm", "T [°C]"]
+    assert result.unused == ["displacement_mm", "T [°C]"]
 
 
 @pytest.mark.parametrize(
@@ -442,9 +442,9 @@ def test_every_command_takes_the_column_of_the_chamber(tmp_path: Path) -> None:
     assert_allclose(record.force, FORCE, atol=tol.FOUR_DECIMALS)
     assert_allclose(record.displacement, WAY, atol=tol.FOUR_DECIMALS)
     status, _ = command("validate", BEARING, file, "-o", out, "--no-figures", "-q")
-    said = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    output = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     assert status in (0, 4)
-    assert said["comparisons"][0]["ambient_degC"] == -20.0
+    assert output["comparisons"][0]["ambient_degC"] == -20.0
     status, shown = command("identify", file, "--bearing", BEARING, "--check")
     assert "no ambient temperature" not in shown["text"]
     assert command("measure", file, "--bearing", BEARING)[0] == 0
@@ -461,8 +461,8 @@ def test_a_reversed_force_is_reported_by_every_command(tmp_path: Path) -> None:
         status, shown = command(*words)
         assert (status, "opposite sign" in shown["text"].replace("\n", " ")) == (0, True), shown
     command("validate", BEARING, file, "-o", out, "--no-figures", "-q")
-    said = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-    assert any("opposite sign" in text for text in said["warnings"])
+    output = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert any("opposite sign" in text for text in output["warnings"])
     taken = json.loads((tmp_path / "taken" / "summary.json").read_text(encoding="utf-8"))
     assert taken["files"][0]["sidecar"]["flip_force"] is True
 
@@ -478,8 +478,8 @@ def test_an_unknown_ambient_temperature_is_a_warning(tmp_path: Path) -> None:
     rows = "".join(f"{t},{x},{f}\n" for t, x, f in zip(TIME, WAY, FORCE, strict=True))
     file.write_text("time_s,displacement_mm,force_kN\n" + rows)
     command("validate", BEARING, file, "-o", tmp_path / "out", "--no-figures", "-q")
-    said = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
-    assert any("23 degC" in text and "assumed" in text for text in said["warnings"])
+    output = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert any("23 degC" in text and "assumed" in text for text in output["warnings"])
 
 
 def test_strains_are_compared_with_the_displacement(tmp_path: Path) -> None:
@@ -580,8 +580,8 @@ def test_a_guessed_place_that_the_bearing_does_not_have_is_not_used(tmp_path: Pa
     record = load_test(file)
     assert len(record.places) == 3
     assert record.of_bearing(tb.load_bearing(BEARING)).places == {"layer 2 [degC]": "rubber 2"}
-    found = tb.validate_bearing(BEARING, file)
-    assert list(found.thermocouples["thermocouple"]) == ["layer 2 [degC]"]
+    result = tb.validate_bearing(BEARING, file)
+    assert list(result.thermocouples["thermocouple"]) == ["layer 2 [degC]"]
     file.with_suffix(".toml").write_text('[thermocouples]\n"core [degC]" = "lead"\n')
     with pytest.raises(tb.InputError, match="no lead"):
         tb.validate_bearing(BEARING, file)

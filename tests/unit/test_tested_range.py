@@ -38,12 +38,12 @@ LHDR = "shen-lhdr-specimen"
 
 
 def test_ranges_of_the_specimens() -> None:
-    found = {}
+    result = {}
     for name in (SPECIMEN, "shen-lhdr-specimen"):
         law = tb.load_bearing(name).tested_range
         assert law is not None
-        found[name] = law.ranges()
-    plain, lead = found.values()
+        result[name] = law.ranges()
+    plain, lead = result.values()
     assert plain == {
         "strain": (0.5, 2.5),
         "strain_rate": (0.333, 1.0),  # 10 and 30 mm/s over 30 mm
@@ -62,7 +62,7 @@ def test_an_untested_bearing_has_none() -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "said"),
+    ("table", "message"),
     [
         ({}, "give at least one of strain, strain_rate, ambient, cycles, lead_temperature"),
         ({"strain": [2.5, 0.5]}, "strain: 2.5 is above 0.5; write [lowest, highest]"),
@@ -71,11 +71,11 @@ def test_an_untested_bearing_has_none() -> None:
         ({"strains": [0.5, 2.5]}, 'unknown key "tested_range.strains"; did you mean "strain"'),
     ],
 )
-def test_bad_ranges(table: dict[str, object], said: str, tmp_path: Path) -> None:
+def test_bad_ranges(table: dict[str, object], message: str, tmp_path: Path) -> None:
     file = write_toml(
         tmp_path / "mine.toml", changed_table(specimen_table(), {"tested_range": table})
     )
-    assert_refused(lambda: tb.load_bearing(file), said)
+    assert_refused(lambda: tb.load_bearing(file), message)
 
 
 def history(strain: float = 1.0, speed: float = 30.0) -> tb.CyclicTest:
@@ -148,10 +148,10 @@ def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
         f"{warm} strain",
         f"{warm} strain_rate",
     } | {f"{run} lead_temperature" for run in left[left["limit"] == "lead_temperature"]["run"]}
-    said = " ".join(result.warnings)
-    assert "shen-lhdr-specimen: strain 350 %, above the 250 % tested (in 2 of 2 runs" in said
-    assert "strain rate 10/s, above the 1.57/s tested" in said
-    assert "ambient -60 degC, below the -20 degC tested (in 1 of 2 runs" in said
+    output = " ".join(result.warnings)
+    assert "shen-lhdr-specimen: strain 350 %, above the 250 % tested (in 2 of 2 runs" in output
+    assert "strain rate 10/s, above the 1.57/s tested" in output
+    assert "ambient -60 degC, below the -20 degC tested (in 1 of 2 runs" in output
     assert result.summary()["tested_range"] == result.tested_range.to_dict("records")
     shown = [text.get_text() for text in result.plot.loops().axes[0].texts]
     assert shown == ["shaded: outside calibration range"]
@@ -166,9 +166,9 @@ def test_a_test_says_what_it_leaves(tmp_path: Path) -> None:
 
 
 def test_a_small_slow_test_is_outside_too() -> None:
-    said = " ".join(tb.run(SPECIMEN, history(strain=0.2, speed=1.0)).warnings)
-    assert "strain 20 %, below the 50 % tested (in the run at 23 degC)" in said
-    assert "strain rate 0.0333/s, below the 0.333/s tested" in said
+    output = " ".join(tb.run(SPECIMEN, history(strain=0.2, speed=1.0)).warnings)
+    assert "strain 20 %, below the 50 % tested (in the run at 23 degC)" in output
+    assert "strain rate 0.0333/s, below the 0.333/s tested" in output
 
 
 def test_a_rest_asks_nothing_of_the_rubber() -> None:
@@ -194,9 +194,9 @@ def test_a_study_says_what_it_leaves(tmp_path: Path) -> None:
     assert "ambient" in beyond["shen-bilinear-bridge, jra-ii-i-1-x2, -60 degC"]
     assert beyond["shen-lhdr-bridge, jra-ii-i-1-x2, 23 degC"].startswith("strain strain_rate")
     # One warning a cause: the strains of two bearings are one.
-    (said,) = [text for text in study.warnings if "shen-lhdr-bridge: strain " in text]
-    assert said.startswith("shen-bilinear-bridge: strain ")
-    assert "above the 250 % tested (in 1 of 2 runs; largest in jra-ii-i-1-x2 at 23 degC)" in said
+    (output,) = [text for text in study.warnings if "shen-lhdr-bridge: strain " in text]
+    assert output.startswith("shen-bilinear-bridge: strain ")
+    assert "above the 250 % tested (in 1 of 2 runs; largest in jra-ii-i-1-x2 at 23 degC)" in output
     assert sum("ambient" in text for text in study.warnings) == 1
     assert sum("range not given" in text for text in study.warnings) == 1
     rows = study.tested_range
@@ -254,19 +254,19 @@ def test_a_fit_says_what_its_tests_cover(tmp_path: Path) -> None:
 def test_a_validation_says_what_a_bearing_was_not_tested_at(tmp_path: Path) -> None:
     test = history(strain=3.0, speed=90.0)
     record = tb.synthetic_record("shen-lhdr-specimen", 30.0, test)
-    found = tb.validate_bearing(["shen-lhdr-specimen", "lrb-example"], record)
-    assert list(found.table["beyond_tested"]) == ["strain strain_rate ambient", ""]
-    said = " ".join(found.warnings)
-    assert "strain 300 %, above the 250 % tested" in said
-    assert "lrb-example: calibration range not given" in said
-    assert found.summary()["tested_range"] == found.tested_range.to_dict("records")
-    folder = found.save(tmp_path / "out", figures=False)
+    result = tb.validate_bearing(["shen-lhdr-specimen", "lrb-example"], record)
+    assert list(result.table["beyond_tested"]) == ["strain strain_rate ambient", ""]
+    output = " ".join(result.warnings)
+    assert "strain 300 %, above the 250 % tested" in output
+    assert "lrb-example: calibration range not given" in output
+    assert result.summary()["tested_range"] == result.tested_range.to_dict("records")
+    folder = result.save(tmp_path / "out", figures=False)
     assert (folder / "tested_range.csv").exists()
-    assert [t.get_text() for t in found.plot.loops().axes[0].texts] == [
+    assert [t.get_text() for t in result.plot.loops().axes[0].texts] == [
         "shaded: outside calibration range"
     ]
     with contextlib.redirect_stdout(io.StringIO()) as screen:
-        found.show()
+        result.show()
     assert "above the 250 % tested" in screen.getvalue()
 
 
@@ -336,10 +336,10 @@ def test_of_several_lines_the_one_that_goes_farthest_counts() -> None:
     device = Device(bearing=bearing, constants=constants, stack=stack)
     task: Any = SimpleNamespace(lines=[SimpleNamespace(device=device, ambient=20.0)] * 2)
     history: Any = SimpleNamespace(bearing=lambda line: lines[line])
-    found = _reached(task, history, [0, 1])
-    assert found["strain"] == pytest.approx(3.0)
-    assert found["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
-    assert (found["ambient"], found["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))
+    result = _reached(task, history, [0, 1])
+    assert result["strain"] == pytest.approx(3.0)
+    assert result["strain_rate"] == pytest.approx(6.0 * np.pi, rel=0.01)
+    assert (result["ambient"], result["lead_temperature"]) == ((20.0, 20.0), (19.0, 21.0))
 
 
 def test_lead_softens_beyond_the_warmest_of_its_tests() -> None:

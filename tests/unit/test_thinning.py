@@ -36,9 +36,9 @@ def folder(result: tb.Result, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def loaded(folder: Path) -> tb.Result:
-    found = tb.load_result(folder)
-    assert isinstance(found, tb.Result)
-    return found
+    actual = tb.load_result(folder)
+    assert isinstance(actual, tb.Result)
+    return actual
 
 
 def test_rows_are_few_and_hold_what_turns(result: tb.Result) -> None:

@@ -111,22 +111,22 @@ def test_bands_hold_no_change_and_skip_what_is_not_known() -> None:
 
 def test_bands_of_an_analysis(tmp_path: Path) -> None:
     """Those of analyses with the alternatives, one by one."""
-    found = tb.bridge([HDR, "shen-bilinear-bridge"], "jra-ii-i-1", [-20], bands=True, **SHORT)
-    rows = found.bands.set_index(["undecided", "quantity"])
-    assert set(found.bands["bearing"]) == {HDR.name}
+    result = tb.bridge([HDR, "shen-bilinear-bridge"], "jra-ii-i-1", [-20], bands=True, **SHORT)
+    rows = result.bands.set_index(["undecided", "quantity"])
+    assert set(result.bands["bearing"]) == {HDR.name}
     for what, options in ((RATE, {}), (SMALL_LOOPS, {"small_loops": "closed"})):
         other = with_factor(HDR, 1.0) if what == RATE else HDR
         with_other = tb.bridge(
             other, "jra-ii-i-1", [-20], **SHORT, model=tb.ModelOptions(**options)
         ).table
         for name in ("bearing_strain_max", "bearing_force_max_kN", "bearing_energy_kN_mm"):
-            change = with_other[name][0] / found.table[name][0] - 1.0
+            change = with_other[name][0] / result.table[name][0] - 1.0
             row = rows.loc[(what, name)]
             assert_allclose([row["lowest"], row["highest"]], band([change]), atol=1e-12)
     assert rows.loc[(RATE, "bearing_strain_max"), "lowest"] < -1e-3
-    found.save(tmp_path / "out", figures=False)
+    result.save(tmp_path / "out", figures=False)
     again = tb.load_result(tmp_path / "out")
-    assert len(again.bands) == len(found.bands)
+    assert len(again.bands) == len(result.bands)
     assert "bands" in again.tables()
     assert [text for text in again.notes() if "rate: " in text and "small loops: " in text]
     assert (tmp_path / "out" / "bands.csv").is_file()
@@ -147,8 +147,8 @@ def test_bands_name_the_bearings_that_are_not_decided() -> None:
 
 def test_bands_without_small_loops_in_a_plane() -> None:
     pair = {"name": "jra-ii-i-1", "across": "jra-ii-i-2"}
-    found = tb.bridge(HDR, pair, 23, structure="five-span-bridge", bands=True, **SHORT)
-    assert set(found.bands["undecided"]) == {RATE}
+    result = tb.bridge(HDR, pair, 23, structure="five-span-bridge", bands=True, **SHORT)
+    assert set(result.bands["undecided"]) == {RATE}
 
 
 def test_reports_name_what_is_not_decided() -> None:

@@ -100,11 +100,11 @@ def test_the_row_of_a_bench_says_what_to_install(
 
 
 def test_openseespy_is_imported_in_one_place() -> None:
-    found = {
+    result = {
         path.relative_to(ROOT).as_posix()
         for folder in ("tests", "benchmarks", "docs")
         for path in (ROOT / folder).rglob("*.py")
         if re.search(r"^\s*(import|from) openseespy|\(\s*[\"']openseespy", path.read_text(), re.M)
     }
     # The second has it in the text of a script that is read, not run.
-    assert found == {"tests/opensees.py", "tests/verification/frames.py"}
+    assert result == {"tests/opensees.py", "tests/verification/frames.py"}

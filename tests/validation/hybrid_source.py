@@ -69,8 +69,8 @@ class Evidence:
 
     def run(self, bearing: str, mode: str, ambient: float) -> int:
         t = self.table
-        found = (t["bearing"] == bearing) & (t["mode"] == mode) & (t["ambient_degC"] == ambient)
-        return int(t.index[found][0])
+        result = (t["bearing"] == bearing) & (t["mode"] == mode) & (t["ambient_degC"] == ambient)
+        return int(t.index[result][0])
 
     def outer_layer(self) -> Floats:
         """LHDR at -20 degC in real time, at 5, 10, 20 s [degC]."""
@@ -110,12 +110,12 @@ def evidence(count: int, motion: Any = None, **options: Any) -> Evidence:
     for bearing in (HDR, LHDR):
         each = np.array([initial_stiffness(bearing, t) for t in AMBIENT]) / scale
         stiffness[bearing] = count * each
-        found = []
+        actual = []
         for k in each:
             line = line_stiffness(structure, prepared.matrices, np.array([k]))
             whole = prepared.matrices.springs + line
-            found.append(find_modes(prepared.matrices.mass, whole).periods[0])
-        periods[bearing] = np.array(found)
+            actual.append(find_modes(prepared.matrices.mass, whole).periods[0])
+        periods[bearing] = np.array(actual)
     return Evidence(count, result, result.table, stiffness, periods)
 
 

@@ -35,8 +35,8 @@ def identified(folder: Path, *, virgin: bool) -> Identification:
 @pytest.mark.thorough
 def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     """No clock, no temperature, no plan size are given; only the rubber height of 156 mm is."""
-    found = identified(tmp_path, virgin=False)
-    (fit,) = found.fits
+    result = identified(tmp_path, virgin=False)
+    (fit,) = result.fits
     measured("NRMSE of a real HDR test, no scragging", fit.NRMSE, f"<= {tol.MEASURED_NRMSE:g}")
     assert fit.NRMSE <= tol.MEASURED_NRMSE
     assert len(fit.loops) == 27  # the 28th is cut off by the end of the file
@@ -44,20 +44,20 @@ def test_real_hdr_test(tmp_path: Path, measured: Recorder) -> None:
     measured("largest energy error of a cycle of that test", worst, "reported, not limited")
     firsts = [round(c.amplitude / RUBBER, 1) for c in fit.loops if c.number == 1]
     assert firsts == [0.2, 0.5, 1.0, 1.5]
-    said = "\n".join(found.warnings)
+    output = "\n".join(result.warnings)
     for words in ("first cycles", "no column of time", "no ambient temperature"):
-        assert words in said
+        assert words in output
     # Causes first: a drift of the zero of the force, and the first cycles; none of their effects.
-    assert "drifts" in found.warnings[0]
-    assert "first cycles" in found.warnings[1]
-    assert len(found.warnings) <= 7  # one of them on m_T and n_T, which one temperature holds
+    assert "drifts" in result.warnings[0]
+    assert "first cycles" in result.warnings[1]
+    assert len(result.warnings) <= 7  # one of them on m_T and n_T, which one temperature holds
 
 
 @pytest.mark.thorough
 def test_real_hdr_test_as_virgin_rubber(tmp_path: Path, measured: Recorder) -> None:
     """What scragging buys: the first cycles, the fall over the later ones, and the energies."""
-    found = identified(tmp_path, virgin=True)
-    (fit,) = found.fits
+    result = identified(tmp_path, virgin=True)
+    (fit,) = result.fits
     energy = np.array([c.errors["energy_error"] for c in fit.loops])
     firsts = np.array([c.errors["force_max_error"] for c in fit.loops if c.number == 1])
     measured("NRMSE of the real HDR test, with scragging", fit.NRMSE, f"<= {tol.VIRGIN_NRMSE:g}")
@@ -74,5 +74,5 @@ def test_real_hdr_test_as_virgin_rubber(tmp_path: Path, measured: Recorder) -> N
     assert fit.NRMSE <= tol.VIRGIN_NRMSE
     assert np.abs(energy).max() <= tol.VIRGIN_ENERGY
     assert np.abs(firsts).max() < 0.08
-    assert found.values["scragging.amplitude"] > 0.5
-    assert found.values["scragging.mullins_amplitude"] == pytest.approx(0.19, abs=0.06)
+    assert result.values["scragging.amplitude"] > 0.5
+    assert result.values["scragging.mullins_amplitude"] == pytest.approx(0.19, abs=0.06)

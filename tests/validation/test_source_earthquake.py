@@ -177,27 +177,27 @@ PRINTED_LAYER = "about -15 and -5 at 5 and 10 s, below 0 at 20 s (3.4.4)"
 def test_first_layer_of_the_hybrid_test(count: int, measured: Recorder) -> None:
     """LHDR at -20 degC, stand-in for II-II-1: outer layer at 5, 10, 15, 20 s (3.4.4)."""
     motion = shared_motion({"name": TAKATORI, "factor": 687.0 / 607.0})
-    found = first_layer(motion, count)
+    result = first_layer(motion, count)
     measured(
         f"hybrid test, LHDR, -20 degC, {count} bearings: outer layer at 5, 10, 15, 20 s",
-        reported(found, "{:.1f}") + " degC",
+        reported(result, "{:.1f}") + " degC",
         PRINTED_LAYER,
     )
     if count == 2:
-        assert np.abs(found[:2] - [-15.0, -5.0]).max() < tol.HYBRID_LAYER
-        assert found[3] < 0.0
+        assert np.abs(result[:2] - [-15.0, -5.0]).max() < tol.HYBRID_LAYER
+        assert result[3] < 0.0
     else:  # less motion, less heat
-        assert np.all(found < [-18.0, -10.0, -9.0, -11.0])
+        assert np.all(result < [-18.0, -10.0, -9.0, -11.0])
 
 
 def test_first_layer_on_the_built_in_motion(measured: Recorder) -> None:
     """As near to the print as the given motion of the record's phases that fits the spectrum."""
     built_in = first_layer("jra-ii-ii-1")
     given = first_layer(shared_motion({"name": TAKATORI}))
-    for name, found in (("jra-ii-ii-1", built_in), ("Takatori's phases", given)):
+    for name, result in (("jra-ii-ii-1", built_in), ("Takatori's phases", given)):
         measured(
             f"hybrid test, LHDR, -20 degC, 2 bearings, {name}: outer layer at 5, 10, 15, 20 s",
-            reported(found, "{:.1f}") + " degC",
+            reported(result, "{:.1f}") + " degC",
             PRINTED_LAYER,
         )
     assert np.abs(built_in[:2] - [-15.0, -5.0]).max() < tol.BUILT_IN_LAYER
@@ -274,23 +274,23 @@ def test_what_explains_the_ductility(measured: Recorder) -> None:
         "no damping but hysteresis": (structure, "none"),
     }
     motion = shared_motion({"name": TYPE_II["II-I-1"]})
-    found = {}
+    result = {}
     for name, (variant, damping) in variants.items():
         table = tb.bridge(
             "shen-lhdr-bridge", motion, AMBIENT, structure=variant, damping=damping
         ).table
-        found[name] = by_temperature(table, "shen-lhdr-bridge", "pier_ductility")
+        result[name] = by_temperature(table, "shen-lhdr-bridge", "pier_ductility")
         energy = by_temperature(table, "shen-lhdr-bridge", "energy_of_warmest")
         measured(
             f"LHDR, stand-in for II-I-1, {name}: ductility; energy of 23 degC",
-            f"{reported(found[name])}; {reported(energy)}",
+            f"{reported(result[name])}; {reported(energy)}",
             "about 1, up to 3; 0.91, 0.44 (6.3.2, 6.3.3)",
         )
-    assert found["rocking spring ten times as stiff, damping source"][-1] > 2.5
-    assert found["rocking spring ten times as stiff, damping modal"][-1] > 2.5
-    assert found["no damping but hysteresis"][-1] > 2.0
-    assert found["as printed, damping source"][-1] < 1.0
-    assert found["as printed, damping modal"][-1] < 1.1
+    assert result["rocking spring ten times as stiff, damping source"][-1] > 2.5
+    assert result["rocking spring ten times as stiff, damping modal"][-1] > 2.5
+    assert result["no damping but hysteresis"][-1] > 2.0
+    assert result["as printed, damping source"][-1] < 1.0
+    assert result["as printed, damping modal"][-1] < 1.1
 
 
 def test_a_night_before_the_earthquake(tmp_path: Path, measured: Recorder) -> None:

@@ -202,7 +202,7 @@ def test_damping_ratio_in_the_cold(measured: Recorder) -> None:
 
 
 def numbers(text: str) -> list[float]:
-    return [float(found) for found in re.findall(r"-?\d+\.?\d*", text)]
+    return [float(result) for result in re.findall(r"-?\d+\.?\d*", text)]
 
 
 def test_the_table_in_the_docs_has_these_numbers(eight: Evidence, two: Evidence) -> None:

@@ -31,15 +31,15 @@ def test_lead_beyond_its_tests_with_constant_strength_and_by_default(result: tb.
     specimen = tb.run(tb.changed_bearing("shen-lhdr-specimen", law=laws[0]), ambient=AMBIENTS)
     for name in ("force", "lead_temperature", "rubber_temperature"):
         assert_array_equal(specimen[name].values, result[name].values)
-    found = []
+    actual = []
     for law in laws:
         bearing = tb.changed_bearing("shen-lhdr-bridge", **({"law": law} if law else {}))
         bridge = tb.run(bearing, ambient=23.0)
         cycles = bridge.cycles
         energy = cycles["energy_kN_mm"].sum() / 1e3
-        found.append([float(bridge["lead_temperature"].max()), energy, cycles["h_eq"].iloc[-1]])
-    assert_allclose(found[0], [141.6, 2913.1, 0.2741], rtol=5e-4)
-    assert_allclose(found[1], [132.8, 2873.8, 0.2591], rtol=5e-4)
+        actual.append([float(bridge["lead_temperature"].max()), energy, cycles["h_eq"].iloc[-1]])
+    assert_allclose(actual[0], [141.6, 2913.1, 0.2741], rtol=5e-4)
+    assert_allclose(actual[1], [132.8, 2873.8, 0.2591], rtol=5e-4)
 
 
 def test_figure_5_2b_has_29_cells_over_83_mm_and_a_core_of_96_mm(result: tb.Result) -> None:
@@ -93,13 +93,13 @@ def test_what_the_thermocouple_in_the_lead_would_tell(ambient: float, measured: 
     def rise(what: str, bearing: tb.Bearing, **options: Any) -> np.ndarray:
         result = tb.run(bearing, test, ambient, keep=["rubber"], **options)
         lead = result["lead_temperature"].values[0] - ambient
-        found = np.interp(times, result.time(0), lead)
+        actual = np.interp(times, result.time(0), lead)
         measured(
             f"LHDR {ambient:g} degC, 250 %, lead {what}: rise after each cycle; 30 s later",
-            ", ".join(f"{value:.1f}" for value in found[:5]) + f"; {found[5]:.1f} K",
+            ", ".join(f"{value:.1f}" for value in actual[:5]) + f"; {actual[5]:.1f} K",
             "the source's model met the measured one while loading (Fig. 5.8)",
         )
-        return found
+        return actual
 
     default, other = rise("by default", confined), rise("touching the shims", touching)
     printed = rise("as printed", confined, model=tb.ModelOptions(scheme="published"))
@@ -191,10 +191,10 @@ def test_what_alternative_bearings_meet(
 
     Five cycles of 250 % at 23, 0 and -20 degC; numbers in docs/alternative_bearings.md.
     """
-    found = measures(name)
-    assert bool(((found["lead_K"] > 19.0) & (found["lead_K"] < 28.0)).all()) == lead_in_range
-    assert bool((found["rubber_over_hdr"] > 1.02).all()) == warmer
-    assert bool((found["force_kN"] <= 400.0).all()) == within_rig
+    actual = measures(name)
+    assert bool(((actual["lead_K"] > 19.0) & (actual["lead_K"] < 28.0)).all()) == lead_in_range
+    assert bool((actual["rubber_over_hdr"] > 1.02).all()) == warmer
+    assert bool((actual["force_kN"] <= 400.0).all()) == within_rig
     if name == "shen-lhdr-combined":  # 3.3.2: damping does not depend on the temperature
-        assert np.ptp(found["h_eq"]) < 0.005
-        assert found["force_kN"].max() < 415.0
+        assert np.ptp(actual["h_eq"]) < 0.005
+        assert actual["force_kN"].max() < 415.0

@@ -90,8 +90,8 @@ def continuity(
             for i in np.flatnonzero(changes > SUSPECT * peak):
                 jumps.append(trials.jump(cuts[i], cuts[i + 1], peak))
         copy_state(new, trials.state)
-    found = np.array([jump for jump in jumps if jump > 0.0])
-    return Continuity(len(x), softened, found / peak, np.array(errors))
+    result = np.array([jump for jump in jumps if jump > 0.0])
+    return Continuity(len(x), softened, result / peak, np.array(errors))
 
 
 def full_cycles(

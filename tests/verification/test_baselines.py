@@ -81,7 +81,7 @@ def test_single_temperature_is_low_inside_the_hdr_bearing(measured: Recorder) ->
 
     With lead it does not: one temperature for all takes the heat of the lead into the rubber.
     """
-    found = {}
+    result = {}
     for name in (HDR, LHDR):
         models = ("multi-layer", "single-temperature")
         results = [tb.run(name, ambient=[-20.0, 0.0, 23.0], model=model) for model in models]
@@ -89,15 +89,15 @@ def test_single_temperature_is_low_inside_the_hdr_bearing(measured: Recorder) ->
             r.cycles[(r.cycles["cycle"] == 5) & (r.cycles["amplitude_strain"] == 2.5)]
             for r in results
         ]
-        found[name] = last[1]["rubber3_degC"].to_numpy() - last[0]["rubber3_degC"].to_numpy()
-        text = ", ".join(f"{value:+.1f} K" for value in found[name])
+        result[name] = last[1]["rubber3_degC"].to_numpy() - last[0]["rubber3_degC"].to_numpy()
+        text = ", ".join(f"{value:+.1f} K" for value in result[name])
         measured(
             f"single temperature less inner layer, {name}, 250 %, -20, 0, 23 degC",
             text,
             "low (4.4.2.2)",
         )
-    assert (found[HDR] < 0.0).all()
-    assert (found[LHDR] > 0.0).all()
+    assert (result[HDR] < 0.0).all()
+    assert (result[LHDR] > 0.0).all()
 
 
 @pytest.mark.parametrize("name", quick_cases([HDR, LHDR], 1))

@@ -24,9 +24,9 @@ SPECIMENS = ("shen-hdr-specimen", "shen-lhdr-specimen")
 
 
 def estimate(bearing: Bearing) -> CellsError:
-    found = cells_error(bearing)
-    assert found is not None
-    return found
+    result = cells_error(bearing)
+    assert result is not None
+    return result
 
 
 @pytest.mark.parametrize("name", SPECIMENS)
@@ -35,10 +35,10 @@ def test_estimate_falls_with_the_square_of_the_cells(name: str, measured: Record
     two = tb.load_bearing(name)
     four, eight = (changed(two, cells={"rubber": n, "shim": n // 2}) for n in (4, 8))
     reported = [estimate(bearing) for bearing in (two, four, eight)]
-    for found in reported:
-        text = f"{100.0 * found.stiffness:+.2f} %, {100.0 * found.energy:+.2f} %, "
-        text += f"{found.warming:+.2f} of {found.rise:.1f} K"
-        measured(f"{name}, {found.cells} cells a layer: G, energy, warming", text, "reported")
+    for result in reported:
+        text = f"{100.0 * result.stiffness:+.2f} %, {100.0 * result.energy:+.2f} %, "
+        text += f"{result.warming:+.2f} of {result.rise:.1f} K"
+        measured(f"{name}, {result.cells} cells a layer: G, energy, warming", text, "reported")
     for coarse, fine in (
         (reported[0], reported[1]),
         (reported[1], reported[2]),
@@ -47,7 +47,7 @@ def test_estimate_falls_with_the_square_of_the_cells(name: str, measured: Record
         assert fine.energy == pytest.approx(coarse.energy / 4.0, rel=CELLS_ESTIMATE)
         assert fine.warming == pytest.approx(coarse.warming / 4.0, rel=CELLS_ESTIMATE)
         assert fine.rise == pytest.approx(coarse.rise, rel=CELLS_ENOUGH)
-    assert [found.worst <= TOLERABLE for found in reported] == [False, True, True]
+    assert [result.worst <= TOLERABLE for result in reported] == [False, True, True]
     assert reported[0].advised == 4
 
 
@@ -55,13 +55,12 @@ def test_estimate_falls_with_the_square_of_the_cells(name: str, measured: Record
 def test_default_cells_are_enough(name: str, measured: Recorder) -> None:
     """Thin layers in a slow test, the worst that bearings have; and the source keeps its two."""
     assert tb.load_bearing(name).cells.rubber == 2
-    found = estimate(tb.load_bearing(name).model_copy(update={"cells": Cells()}))
-    assert found.worst <= TOLERABLE
-    text = (
-        f"{100.0 * found.stiffness:+.2f} %, {100.0 * found.energy:+.2f} %, {found.warming:+.2f} K"
-    )
+    result = estimate(tb.load_bearing(name).model_copy(update={"cells": Cells()}))
+    assert result.worst <= TOLERABLE
+    stiffness, energy = 100.0 * result.stiffness, 100.0 * result.energy
+    text = f"{stiffness:+.2f} %, {energy:+.2f} %, {result.warming:+.2f} K"
     measured(f"{name}, default cells: G, energy, warming", text, "1 %")
-    assert found.worst < CELLS_ENOUGH
+    assert result.worst < CELLS_ENOUGH
 
 
 def test_a_file_without_cells_and_a_scaled_bearing_get_the_defaults(tmp_path: Path) -> None:

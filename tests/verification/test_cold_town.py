@@ -31,7 +31,7 @@ def cold_town(name: str, **factors: Any) -> Any:
     prepared, runs = Preparer(Plan(study)), Plan(study).runs
     prepared.compute_temperatures(runs)
     rows = runs.to_dict("records")
-    found = {demand: [] for demand in DEMANDS}
+    result = {demand: [] for demand in DEMANDS}
     for row in rows:
         given = prepared.make_task(row)
         numbers = next(_measure_all([given])).numbers
@@ -39,8 +39,8 @@ def cold_town(name: str, **factors: Any) -> Any:
         row["rubber_degC"] = given.reported.temperature[middles].mean()
         assert numbers["outcome"] == "completed"
         for demand in DEMANDS:
-            found[demand].append(numbers[demand])
-    return rows, found
+            result[demand].append(numbers[demand])
+    return rows, result
 
 
 @pytest.mark.thorough
@@ -53,14 +53,14 @@ def test_hours_with_their_weather_are_as_the_levels_of_the_temperature(measured:
     rows, levels = cold_town("cold-town-levels", ambient=ambient)
     air = [row["rubber_degC"] for row in rows]
     np.testing.assert_allclose(air, [row["ambient_degC"] for row in rows], atol=tol.MEAN)
-    hours, found = cold_town("cold-town")
+    hours, result = cold_town("cold-town")
     at = [row["rubber_degC"] for row in hours]
     assert np.ptp(at) > 20.0
     worst = 0.0
     for demand in DEMANDS:
         reported = np.interp(at, air, levels[demand])
         assert np.ptp(reported) > 0.05 * np.mean(reported)  # the temperature matters
-        worst = max(worst, float(np.abs(np.array(found[demand]) / reported - 1.0).max()))
+        worst = max(worst, float(np.abs(np.array(result[demand]) / reported - 1.0).max()))
     measured(
         "Cold town: peaks at 12 hours of weather against bearings that are as warm all through",
         worst,

@@ -160,13 +160,13 @@ def test_loop_forgets_its_start(measured: Recorder) -> None:
     designs = {s: run_design(make_design_case({}, "test", start=s)) for s in (50, 100, 200, 400)}
     assert {d.outcome for d in designs.values()} == {"converged"}
     assert len({d.last.size for d in designs.values()}) == 1
-    found = np.array([d.last.found for d in designs.values()])
+    result = np.array([d.last.found for d in designs.values()])
     measured(
         "design loop from 50, 100, 200, 400 mm: displacement, rounds",
         ", ".join(f"{d.last.found:.1f} mm ({len(d.rounds)})" for d in designs.values()),
         "2 %",
     )
-    assert np.ptp(found) / found.mean() < tol.DESIGN_START
+    assert np.ptp(result) / result.mean() < tol.DESIGN_START
     for design in designs.values():
         assert abs(design.last.difference) <= 0.01
         assert design.first_within is not None
@@ -176,16 +176,16 @@ def test_loop_forgets_its_start(measured: Recorder) -> None:
 @pytest.mark.parametrize("name", ["shen-hdr-bridge", "shen-lhdr-bridge"])
 def test_layered_bearing_of_equal_stiffness(name: str, measured: Recorder) -> None:
     """Table 6.1 chose 480 mm and 6 layers by hand."""
-    found = equal_bearing(tb.load_bearing(name), 2.6153, 178.0)
-    side = math.sqrt(found.bearing.area)
+    result = equal_bearing(tb.load_bearing(name), 2.6153, 178.0)
+    side = math.sqrt(result.bearing.area)
     measured(
         f"{name} scaled to K_B = 2.615 kN/mm at 178 mm: side, layers, K_eq",
-        f"{side:.0f} mm, {found.bearing.geometry.rubber_layers}, {found.stiffness:.3f} kN/mm",
+        f"{side:.0f} mm, {result.bearing.geometry.rubber_layers}, {result.stiffness:.3f} kN/mm",
         "480 mm, 6 (Table 6.1)",
     )
-    assert found.bearing.geometry.rubber_layers == 6
+    assert result.bearing.geometry.rubber_layers == 6
     assert abs(side - 480.0) <= 10.0
-    assert abs(found.stiffness / 2.6153 - 1.0) < tol.EQUAL_STIFFNESS
+    assert abs(result.stiffness / 2.6153 - 1.0) < tol.EQUAL_STIFFNESS
 
 
 @pytest.mark.thorough
@@ -234,12 +234,12 @@ def test_loops_of_equal_bearings_go_through_the_design_point() -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"), [(["--ambient", 23], "two different"), (["--strain", 9], "strain = 9")]
+    ("words", "message"), [(["--ambient", 23], "two different"), (["--strain", 9], "strain = 9")]
 )
-def test_bounds_that_are_refused(words: list[Any], said: str, tmp_path: Path) -> None:
+def test_bounds_that_are_refused(words: list[Any], message: str, tmp_path: Path) -> None:
     refused = command("bounds", *words, "-o", tmp_path / "no")
     assert refused.exit_code == 2
-    assert said in refused.output
+    assert message in refused.output
     assert not (tmp_path / "no").exists()
 
 

@@ -251,15 +251,15 @@ def test_lockstep_is_each_alone(plan: bool) -> None:
         )
         ground = np.stack([ground, 0.5 * ground], axis=-1) if plan else ground
         runs.append(Run(prepared, [line], ground, DT, AMBIENT))
-    for run, found in zip(runs, run_lanes(runs), strict=True):
+    for run, result in zip(runs, run_lanes(runs), strict=True):
         known = run_peaks(run)
-        assert not found.alone
+        assert not result.alone
         for name in ("stroke", "velocity", "force"):
             largest = np.abs(known.devices[name]).max()
-            assert_allclose(found.devices[name], known.devices[name], atol=1e-9 * largest)
+            assert_allclose(result.devices[name], known.devices[name], atol=1e-9 * largest)
         for name in ("dampers", "sliders", "gaps", "bearings"):
             energy = known.energies["input"][0]
-            assert_allclose(found.energies[name], known.energies[name], atol=1e-9 * energy)
+            assert_allclose(result.energies[name], known.energies[name], atol=1e-9 * energy)
 
 
 def test_pier_with_devices_and_a_real_bearing() -> None:
@@ -345,9 +345,9 @@ def test_opensees_has_the_same_device(name: str, measured: Recorder) -> None:
     device, material, tolerance = COMPARED[name]
     dt = 0.002
     ground = read_ground("jra-ii-i-1", dt, 20.0)
-    found = shaken_deck(device, ground=ground, dt=dt).rows.q[:, 0]
+    result = shaken_deck(device, ground=ground, dt=dt).rows.q[:, 0]
     known = _in_opensees(material, ground, dt)
-    error = float(np.abs(found - known).max() / np.abs(known).max())
+    error = float(np.abs(result - known).max() / np.abs(known).max())
     measured(f"device against {name} of OpenSees, displacement", error, f"{tolerance:g}")
     assert error < tolerance
 
@@ -387,11 +387,11 @@ def test_weights_take_stiffness(plan: bool) -> None:
     prepared = prepare_structure(pier(p_delta=True, plan=plan))
     weight = 9806.65 * TOP_MASS * HEIGHT
     known = np.array([[0.0, -0.5 * LOAD], [-0.5 * LOAD, -weight]])
-    found = prepared.matrices.geometric
-    assert_allclose(found[::2, ::2] if plan else found, known, rtol=1e-12, atol=1e-6)
+    result = prepared.matrices.geometric
+    assert_allclose(result[::2, ::2] if plan else result, known, rtol=1e-12, atol=1e-6)
     if plan:
-        assert_allclose(found[1::2, 1::2], known, rtol=1e-12, atol=1e-6)
-        assert np.abs(found[::2, 1::2]).max() == 0.0
+        assert_allclose(result[1::2, 1::2], known, rtol=1e-12, atol=1e-6)
+        assert np.abs(result[::2, 1::2]).max() == 0.0
     assert not prepare_structure(pier(p_delta=False, plan=plan)).matrices.geometric.any()
 
 

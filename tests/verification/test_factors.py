@@ -58,12 +58,12 @@ def test_factors_are_one_at_the_reference(table: pd.DataFrame) -> None:
 def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
     """Colder is stiffer, stronger and takes more energy; self-heating takes the edge off."""
     bearing = tb.load_bearing(name)
-    found = temperature_factors(
+    result = temperature_factors(
         bearing, reference_temperature=23.0, temperatures=TEMPERATURES, strains=[1.0]
     )
     blind = bearing.hysteresis.elastic_temperature_coefficient == 0.0
     for quantity in ("K_eq", "Q_d", "energy"):
-        first, heated = (values(found, quantity, basis, 1.0) for basis in ("first", "heated"))
+        first, heated = (values(result, quantity, basis, 1.0) for basis in ("first", "heated"))
         if blind and bearing.lead is not None and quantity == "K_eq":
             assert np.all(np.diff(first) <= 0.0)
             continue
@@ -72,7 +72,7 @@ def test_monotone_where_physics_says_so(name: str, measured: Recorder) -> None:
     measured(
         f"{name}, 100 %, -20 against 23 degC, first cycle and heated: K_eq, Q_d",
         ", ".join(
-            f"{values(found, q, b, 1.0)[1]:.2f}"
+            f"{values(result, q, b, 1.0)[1]:.2f}"
             for q in ("K_eq", "Q_d")
             for b in ("first", "heated")
         ),
@@ -128,13 +128,13 @@ def test_a_posterior_makes_bands() -> None:
             update={"elastic_temperature_coefficient": factor * h.elastic_temperature_coefficient}
         )
         samples.append(HDR.model_copy(update={"hysteresis": changed}))
-    found = temperature_factors(
+    result = temperature_factors(
         samples, reference_temperature=23.0, temperatures=[-20.0], strains=[1.0]
     )
-    cold = found.query("ambient_degC == -20 and quantity == 'K_eq'")
+    cold = result.query("ambient_degC == -20 and quantity == 'K_eq'")
     assert np.all(cold["factor_low"] < cold["factor"])
     assert np.all(cold["factor"] < cold["factor_high"])
-    at = found.query("ambient_degC == 23")
+    at = result.query("ambient_degC == 23")
     assert_allclose(at["factor_low"], 1.0)
 
 
@@ -208,15 +208,15 @@ def test_compared_with_published_factors(name: str, measured: Recorder) -> None:
         name, reference_temperature=20.0, temperatures=air, strains=[1.0], cycles="3"
     )
     for quantity in ("K_eq", "Q_d", "K_d"):
-        found = []
+        result = []
         for basis in ("first", "heated"):
             rows = table[(table["quantity"] == quantity) & (table["basis"] == basis)]
             by = rows.set_index("ambient_degC")["factor"]
             assert by[20.0] == 1.0
             assert (np.diff(by.to_numpy()) < 0.0).all()
-            found.append(by[air].to_numpy())
-        assert (found[1][:1] <= found[0][:1] * tol.HEATED_FACTOR).all()
-        reported = "; ".join(", ".join(f"{v:.2f}" for v in values) for values in found)
+            result.append(by[air].to_numpy())
+        assert (result[1][:1] <= result[0][:1] * tol.HEATED_FACTOR).all()
+        reported = "; ".join(", ".join(f"{v:.2f}" for v in values) for values in result)
         measured(
             f"{name}, {quantity} at -30, -10, 0, 40 over 20 degC, first; third",
             reported,
@@ -248,8 +248,8 @@ def test_published_tables_say_what_is_unverified() -> None:
 
 def test_codes_on_another_reference_temperature() -> None:
     item = next(one for one in codes.tables_for("HDR") if one.code and one.quantity == "Q_d")
-    found = item.relative_to(0.0, np.array([-40.0, -30.0, -20.0, 0.0, 40.0]))
-    assert_allclose(found, [np.nan, 2.5 / 1.3, 1.95 / 1.3, 1.0, 1.0 / 1.3])
+    result = item.relative_to(0.0, np.array([-40.0, -30.0, -20.0, 0.0, 40.0]))
+    assert_allclose(result, [np.nan, 2.5 / 1.3, 1.95 / 1.3, 1.0, 1.0 / 1.3])
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
@@ -263,11 +263,11 @@ def test_factors_of_a_bilinear_loop(share: float) -> None:
         energy = 4.0 * q * strength * (displacement - yielding)
         return equivalent, energy / (2.0 * np.pi * equivalent * displacement**2)
 
-    found = codes.bilinear_factors(np.array(1.95), np.array(1.7), share)
+    result = codes.bilinear_factors(np.array(1.95), np.array(1.7), share)
     before, after = properties(1.0, 1.0), properties(1.95, 1.7)
-    assert_allclose(found["K_eq"], after[0] / before[0], rtol=1e-14)
+    assert_allclose(result["K_eq"], after[0] / before[0], rtol=1e-14)
     if share:
-        assert_allclose(found["h_eq"], after[1] / before[1], rtol=1e-14)
+        assert_allclose(result["h_eq"], after[1] / before[1], rtol=1e-14)
 
 
 def _factors_table(first: dict[str, float], half_band: float = np.nan) -> pd.DataFrame:

@@ -66,10 +66,10 @@ def rises(result: tb.Result, time: float) -> dict[str, float]:
     """Above the ambient, at a time [s], by the names of the finite element history."""
     row = int(np.searchsorted(result.time(0), time - 1e-6))
     layers = result["rubber_temperature"].values[0, row] - AMBIENT
-    found = {"middle of rubber 1": layers[0], "middle of rubber 3": layers[2]}
+    actual = {"middle of rubber 1": layers[0], "middle of rubber 3": layers[2]}
     if result.has_lead:
-        found["lead"] = result["lead_temperature"].values[0, row] - AMBIENT
-    return {name: float(value) for name, value in found.items()}
+        actual["lead"] = result["lead_temperature"].values[0, row] - AMBIENT
+    return {name: float(value) for name, value in actual.items()}
 
 
 def errors(history: Any, result: tb.Result, time: float) -> dict[str, float]:
@@ -82,27 +82,27 @@ def test_one_dimension_against_two(name: str, measured: Recorder) -> None:
     bearing = variant(name)
     history = finite_elements(bearing)
     assert_allclose(history.released, history.stored + history.lost, rtol=tol.FE_BALANCE)
-    found = {}
+    actual = {}
     for model, options in MODELS.items():
         if bearing.lead is None and "lead_ends" in options:
             continue
         result = tb.run(bearing, loading(bearing), ambient=AMBIENT, **options)
-        found[model] = errors(history, result, END)
+        actual[model] = errors(history, result, END)
         rest = [errors(history, result, time) for time in REST]
-        for place, error in found[model].items():
+        for place, error in actual[model].items():
             row = int(np.searchsorted(history.time, END - 1e-6))
             whole = history.means[place][row]
             worst = max((after[place] for after in rest), key=abs)
             label = f"{name}, {place}, {model} against finite elements, after loading"
             measured(label, f"{error:+.1f} of {whole:.1f} K; cooling {worst:+.1f} K", "reported")
-    best = found["conservative"]
+    best = actual["conservative"]
     assert abs(best["middle of rubber 1"]) < tol.FE_LAYER
     assert abs(best["middle of rubber 3"]) < tol.FE_LAYER
     if name != "HDR":
         assert abs(best["lead"]) < tol.KERNEL_LEAD
     if name == "LHDR":
-        assert abs(found["conservative, half-space"]["lead"]) < tol.FE_LEAD
-        assert abs(found["published"]["lead"]) > 10.0 * abs(best["lead"])
+        assert abs(actual["conservative, half-space"]["lead"]) < tol.FE_LEAD
+        assert abs(actual["published"]["lead"]) > 10.0 * abs(best["lead"])
 
 
 @pytest.mark.thorough

@@ -48,9 +48,9 @@ def test_stripes_are_the_likeliest_by_another_search() -> None:
 
     options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 5000}
     searched = minimize(unlikely, [0.2, -1.0], method="Nelder-Mead", options=options)
-    found = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", samples=1)
-    assert np.log(found.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
-    assert np.log(found.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
+    result = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", samples=1)
+    assert np.log(result.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
+    assert np.log(result.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
 
 
 @pytest.mark.thorough
@@ -59,8 +59,8 @@ def test_bands_of_independent_stripes_hold_the_truth_as_often_as_they_say() -> N
     truth = norm.cdf(np.log(at / MEDIAN) / DISPERSION)
     for seed in range(TIMES):
         beyond = rng.binomial(40, norm.cdf(np.log(LEVELS / MEDIAN) / DISPERSION))
-        found = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", samples=119, seed=seed)
-        row, (low, high) = found.row(), found.band_at(at)
+        result = fragility_curve(of_counts(beyond, 40), "drift", 1.0, "im", samples=119, seed=seed)
+        row, (low, high) = result.row(), result.band_at(at)
         held[:3] += (low <= truth) & (truth <= high)
         held[3] += row["dispersion_low"] <= DISPERSION <= row["dispersion_high"]
         held[4] += row["median_low"] <= MEDIAN <= row["median_high"]
@@ -82,10 +82,10 @@ def test_motions_drawn_as_a_whole_widen_the_band() -> None:
         ]
         table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
         for groups in held:
-            found = fragility_curve(
+            result = fragility_curve(
                 table, "drift", 1.0, "im", groups=groups, samples=119, seed=seed
             )
-            row = found.row()
+            row = result.row()
             held[groups] += row["median_low"] <= MEDIAN <= row["median_high"]
     assert held["motion"] > 0.8 * (TIMES // 2)
     assert held[None] < 0.6 * (TIMES // 2)
@@ -95,10 +95,10 @@ def test_capacities_of_motions_that_all_reach_it() -> None:
     capacity = np.array([0.6, 0.8, 1.0, 1.3, 1.9])
     rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in np.arange(0.25, 2.6, 0.25)]
     table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
-    found = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
+    result = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
     logs = np.log(capacity)  # straight through zero, so that interpolation is exact
-    assert np.log(found.median) == pytest.approx(logs.mean(), abs=tolerances.LIKELIEST)
-    assert found.dispersion == pytest.approx(logs.std(ddof=1), rel=tolerances.LIKELIEST)
+    assert np.log(result.median) == pytest.approx(logs.mean(), abs=tolerances.LIKELIEST)
+    assert result.dispersion == pytest.approx(logs.std(ddof=1), rel=tolerances.LIKELIEST)
 
 
 def test_capacities_that_were_not_reached_by_another_search() -> None:
@@ -106,7 +106,7 @@ def test_capacities_that_were_not_reached_by_another_search() -> None:
     capacity, top = np.exp(rng.normal(0.0, 0.4, 30)), 1.2
     rows = [(m, im, im / c) for m, c in enumerate(capacity) for im in (0.3, 0.6, 0.9, top)]
     table = pd.DataFrame(rows, columns=["motion", "im", "drift"])
-    found = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
+    result = fragility_curve(table, "drift", 1.0, "im", method="ida", samples=20)
 
     def unlikely(p: np.ndarray) -> float:
         score = (np.log(np.minimum(capacity, top)) - p[0]) / np.exp(p[1])
@@ -116,24 +116,24 @@ def test_capacities_that_were_not_reached_by_another_search() -> None:
         unlikely, [0.0, -1.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-12}
     )
     assert (capacity > top).sum() > 3
-    assert np.log(found.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
-    assert np.log(found.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
+    assert np.log(result.median) == pytest.approx(searched.x[0], abs=tolerances.LIKELIEST)
+    assert np.log(result.dispersion) == pytest.approx(searched.x[1], abs=tolerances.LIKELIEST)
 
 
 def test_cloud_is_the_regression_of_scipy() -> None:
     rng = np.random.default_rng(4)
     im = np.exp(rng.normal(-0.2, 0.6, 80))
     drift = 1.5 * im**1.2 * np.exp(0.35 * rng.normal(size=80))
-    found = fragility_curve(
+    result = fragility_curve(
         pd.DataFrame({"im": im, "drift": drift}), "drift", 2.0, "im", method="cloud"
     )
     line = linregress(np.log(im), np.log(drift))
     left = np.log(drift) - line.intercept - line.slope * np.log(im)
     sigma = np.sqrt((left**2).sum() / 78)
     median = np.exp((np.log(2.0) - line.intercept) / line.slope)
-    assert found.median == pytest.approx(median, rel=tolerances.LIKELIEST)
-    assert found.dispersion == pytest.approx(sigma / line.slope, rel=tolerances.LIKELIEST)
-    assert found.probability(median)[0] == pytest.approx(0.5, rel=tolerances.LIKELIEST)
+    assert result.median == pytest.approx(median, rel=tolerances.LIKELIEST)
+    assert result.dispersion == pytest.approx(sigma / line.slope, rel=tolerances.LIKELIEST)
+    assert result.probability(median)[0] == pytest.approx(0.5, rel=tolerances.LIKELIEST)
 
 
 def test_cloud_with_collapse_has_five_parameters() -> None:
@@ -147,18 +147,18 @@ def test_cloud_with_collapse_has_five_parameters() -> None:
     at = np.array([0.5, 1.0, 2.0])
     share = 1.0 / (1.0 + np.exp(2.0 - 3.0 * np.log(at)))
     beyond = norm.cdf(np.log(at / 1.5) / 0.3)
-    found = fragility_curve(
+    result = fragility_curve(
         table, "drift", 1.5, "im", method="cloud", failed="collapse", samples=100
     )
-    low, high = found.band_at(at)
+    low, high = result.band_at(at)
     truth = beyond * (1.0 - share) + share
-    assert found.probability(at) == pytest.approx(truth, abs=tolerances.SHARE_OF_4000)
+    assert result.probability(at) == pytest.approx(truth, abs=tolerances.SHARE_OF_4000)
     assert (low < truth).all()
     assert (truth < high).all()
     without = fragility_curve(table, "drift", 1.5, "im", method="cloud", samples=1)
     assert without.probability(at) == pytest.approx(beyond, abs=tolerances.SHARE_OF_4000)
-    assert (without.left_out, without.collapsed) == (found.collapsed, found.left_out)
-    assert found.collapsed > found.left_out == 0
+    assert (without.left_out, without.collapsed) == (result.collapsed, result.left_out)
+    assert result.collapsed > result.left_out == 0
 
 
 @pytest.mark.parametrize("collapse_at", [0.8, 1.6, 6.0])
@@ -214,10 +214,10 @@ def test_curves_of_temperatures_share_their_motions() -> None:
         for im in np.arange(0.1, 4.0, 0.1)
     ]
     table = pd.DataFrame(rows, columns=["motion", "ambient_degC", "im", "drift"])
-    found = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", method="ida", samples=50)
-    cold, warm = found[-20.0].estimate, found[23.0].estimate
+    result = fragility_curves(table, "drift", 1.0, "im", "ambient_degC", method="ida", samples=50)
+    cold, warm = result[-20.0].estimate, result[23.0].estimate
     moved = np.exp(cold.samples.place - warm.samples.place)
-    assert list(found) == [-20.0, 23.0]
+    assert list(result) == [-20.0, 23.0]
     assert moved == pytest.approx(0.8, rel=tolerances.LIKELIEST)
 
 
@@ -295,17 +295,17 @@ def test_none_beyond_is_bounded_as_by_clopper_and_pearson() -> None:
     table = pd.DataFrame(
         {"motion": np.repeat(np.arange(12), 3), "im": np.tile(im, 12), "drift": 0.1}
     )
-    found = fragility_curve(table, "drift", 1.0, "im", samples=3999)
-    assert found.outcome == "none_beyond"
-    assert found.band_at(2.0)[1][0] == pytest.approx(1.0 - 0.025 ** (1.0 / 12.0), rel=0.01)
+    result = fragility_curve(table, "drift", 1.0, "im", samples=3999)
+    assert result.outcome == "none_beyond"
+    assert result.band_at(2.0)[1][0] == pytest.approx(1.0 - 0.025 ** (1.0 / 12.0), rel=0.01)
     site = Hazard(np.array([0.01, 100.0]), np.array([1e4, 1e-4]))
-    rate = annual_rate(found, site)
+    rate = annual_rate(result, site)
     assert (rate.rate, rate.groups) == (0.0, 12)
     # All 12 stay below at 2.0, so that the median is above, without an assumed dispersion.
-    assert (found.row()["median_low"], found.row()["median_high"]) == (2.0, np.inf)
-    bounds = found.band_at([2.0])[1]
+    assert (result.row()["median_low"], result.row()["median_high"]) == (2.0, np.inf)
+    bounds = result.band_at([2.0])[1]
     median = 2.0 * np.exp(-0.6 * norm.ppf(bounds[0]))
-    assert np.isnan([found.row()["dispersion_low"], found.row()["dispersion_high"]]).all()
+    assert np.isnan([result.row()["dispersion_low"], result.row()["dispersion_high"]]).all()
     assert rate.high == pytest.approx(closed_form(median, 0.6, 1.0, 2.0), rel=0.01)
 
 
@@ -357,12 +357,12 @@ def power_law(exponent: float, ends: tuple[float, float] = (1e-3, 1e4), points: 
 @pytest.mark.parametrize("exponent", [1.0, 2.5, 4.0])
 @pytest.mark.parametrize("dispersion", [0.05, 0.3, 0.6])
 def test_power_law_has_a_closed_form(exponent: float, dispersion: float) -> None:
-    found = annual_rate(lognormal(2.0, dispersion), power_law(exponent))
+    result = annual_rate(lognormal(2.0, dispersion), power_law(exponent))
     exact = closed_form(2.0, dispersion, 1e-2, exponent)
-    assert found.rate == pytest.approx(exact, rel=tolerances.HAZARD)
-    assert found.notes == ()
-    assert found.return_period * found.rate == pytest.approx(1.0)
-    assert found.probability(50.0) == pytest.approx(1.0 - np.exp(-50.0 * found.rate))
+    assert result.rate == pytest.approx(exact, rel=tolerances.HAZARD)
+    assert result.notes == ()
+    assert result.return_period * result.rate == pytest.approx(1.0)
+    assert result.probability(50.0) == pytest.approx(1.0 - np.exp(-50.0 * result.rate))
 
 
 def test_kinked_hazard_is_integrated_piece_by_piece() -> None:
@@ -378,8 +378,8 @@ def test_kinked_hazard_is_integrated_piece_by_piece() -> None:
         ends = rate[k] * norm.cdf(z[0]) - rate[k + 1] * norm.cdf(z[1])
         exact += ends + rate[k] * im[k] ** n * moved * (tails[1] - tails[0])
     exact += rate[-1] * norm.cdf(z[1])  # beyond the last point, with the probability there
-    found = annual_rate(lognormal(median, dispersion), Hazard(im, rate))
-    assert found.rate == pytest.approx(exact, rel=tolerances.HAZARD)
+    result = annual_rate(lognormal(median, dispersion), Hazard(im, rate))
+    assert result.rate == pytest.approx(exact, rel=tolerances.HAZARD)
 
 
 def test_ends_of_the_hazard_curve_are_reported() -> None:
@@ -400,8 +400,8 @@ def test_band_and_ratio_of_rates() -> None:
     warm, cold = lognormal(2.0, 0.4, 21), lognormal(1.6, 0.4, 21)
     hazard = power_law(2.0)
     a, b = annual_rate(cold, hazard), annual_rate(warm, hazard)
-    found = ratio(a, b)
-    assert found == pytest.approx([0.8**-2.0] * 3, rel=tolerances.HAZARD)
+    result = ratio(a, b)
+    assert result == pytest.approx([0.8**-2.0] * 3, rel=tolerances.HAZARD)
     assert (a.low, a.high) == pytest.approx(
         (a.rate * np.exp(-0.2), a.rate * np.exp(0.2)), rel=tolerances.HAZARD
     )
@@ -505,9 +505,9 @@ def test_bands_of_indices_hold_the_truth_as_often_as_they_say() -> None:
     held, times = np.zeros(6), 60
     for seed in range(times):
         table = as_table(arranged(300, rng, sobol=False))
-        found = sobol_table(table, "drift", samples=119, seed=seed)
-        held[:3] += (found["first_low"] <= FIRST) & (found["first_high"] >= FIRST)
-        held[3:] += (found["total_low"] <= TOTAL) & (found["total_high"] >= TOTAL)
+        result = sobol_table(table, "drift", samples=119, seed=seed)
+        held[:3] += (result["first_low"] <= FIRST) & (result["first_high"] >= FIRST)
+        held[3:] += (result["total_low"] <= TOTAL) & (result["total_high"] >= TOTAL)
     assert held.min() / times > tolerances.LEAST_COVERAGE
     assert held.mean() < times
 
@@ -535,20 +535,20 @@ def test_a_failed_run_leaves_all_matrices() -> None:
     table = as_table(values)
     table.loc[[5, 64 + 7], "outcome"] = "not_converged"
     kept = ~np.isin(np.arange(64), [5, 7])
-    found = sobol_table(table, "drift", samples=10)
+    result = sobol_table(table, "drift", samples=10)
     first, total = _sobol_indices(values[0][kept], values[1][kept], np.array(values[2:])[:, kept])
-    assert found["first"].to_numpy() == pytest.approx(first)
-    assert found["total"].to_numpy() == pytest.approx(total)
-    assert found[["rows", "left_out"]].iloc[0].tolist() == [62, 2]
+    assert result["first"].to_numpy() == pytest.approx(first)
+    assert result["total"].to_numpy() == pytest.approx(total)
+    assert result[["rows", "left_out"]].iloc[0].tolist() == [62, 2]
 
 
 def test_correlation_ratio_of_a_sum_and_a_product() -> None:
     """x + 2 y + 3 x y of levels -1 and 1: shares 1, 4 and 9 of 14."""
     rows = [(x, y, x + 2 * y + 3 * x * y) for x in (-1, 1) for y in (-1, 1) for _ in range(500)]
     table = pd.DataFrame(rows, columns=["x", "y", "drift"])
-    found = variance_shares(table, "drift", ["x", "y"])
+    result = variance_shares(table, "drift", ["x", "y"])
     shares = np.array([1.0, 4.0, 9.0]) / 14.0
-    assert found["share"].to_numpy() == pytest.approx(shares, abs=tolerances.CHANCE_OF_2000)
+    assert result["share"].to_numpy() == pytest.approx(shares, abs=tolerances.CHANCE_OF_2000)
 
 
 def test_correlation_ratio_of_draws_has_no_bias_and_holds_the_truth() -> None:
@@ -562,10 +562,10 @@ def test_correlation_ratio_of_draws_has_no_bias_and_holds_the_truth() -> None:
         drift = (x + 2.0 * y) / np.sqrt(99.0 / 12.0) + number
         table = pd.DataFrame({"x": x, "y": y, "level": level, "number": number, "drift": drift})
         factors = ["x", "y", "level", "number"]
-        found = variance_shares(table, "drift", factors, samples=100, seed=seed)
-        share = found["share"].to_numpy()[:4]
+        result = variance_shares(table, "drift", factors, samples=100, seed=seed)
+        share = result["share"].to_numpy()[:4]
         mean += share / times
-        held += (found["share_low"][:4] <= truth) & (truth <= found["share_high"][:4])
+        held += (result["share_low"][:4] <= truth) & (truth <= result["share_high"][:4])
     assert mean == pytest.approx(truth, abs=tolerances.RATIO_IN_CLASSES)
     assert held.min() / times > tolerances.LEAST_COVERAGE_OF_RATIOS
 
@@ -575,22 +575,22 @@ def test_runs_without_a_number_are_one_class() -> None:
     number = np.where(np.arange(400) < 200, np.random.default_rng(9).random(400), np.nan)
     drift = np.tile(np.arange(200.0), 2)
     table = pd.DataFrame({"number": number, "few": np.round(3.0 * number), "drift": drift})
-    found = variance_shares(table, "drift", ["number", "few"], samples=50)
-    assert np.abs(found["share"][:2]).max() < 0.1
-    assert found["levels"].tolist() == [15, 5, 0]
+    result = variance_shares(table, "drift", ["number", "few"], samples=50)
+    assert np.abs(result["share"][:2]).max() < 0.1
+    assert result["levels"].tolist() == [15, 5, 0]
 
 
 def test_many_draws_of_a_number_have_many_classes() -> None:
     """A straight line of 2000 draws: 44 classes leave about one part in 44^2 inside."""
     x = np.random.default_rng(8).random(2000)
-    found = variance_shares(pd.DataFrame({"x": x, "drift": x}), "drift", ["x"], samples=100)
-    assert 0.0 < 1.0 - found["share"][0] < 2.0 * 44.0**-2
-    assert found["share_low"][0] <= found["share"][0] <= found["share_high"][0]
+    result = variance_shares(pd.DataFrame({"x": x, "drift": x}), "drift", ["x"], samples=100)
+    assert 0.0 < 1.0 - result["share"][0] < 2.0 * 44.0**-2
+    assert result["share_low"][0] <= result["share"][0] <= result["share_high"][0]
 
 
 def test_bands_of_shares_are_around_what_was_found() -> None:
     """Ten levels that are alike: drawn again they never are, which is no share of theirs."""
     table = pd.DataFrame({"level": np.arange(60) % 10, "drift": np.arange(60) // 10})
-    found = variance_shares(table, "drift", ["level"]).iloc[0]
-    assert found["share"] == pytest.approx(1.0 - 59.0 / 50.0)
-    assert found["share_low"] < found["share"] < found["share_high"]
+    result = variance_shares(table, "drift", ["level"]).iloc[0]
+    assert result["share"] == pytest.approx(1.0 - 59.0 / 50.0)
+    assert result["share_low"] < result["share"] < result["share_high"]

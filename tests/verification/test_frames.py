@@ -66,12 +66,12 @@ def test_a_deep_footing_without_inertia(tmp_path: Path) -> None:
 
 def test_a_footing_that_rocks_and_slides(tmp_path: Path) -> None:
     """Below a column with a mass at its top only, all modes are those of the frame."""
-    found = imported(tmp_path, rocking_pier_table())
-    assert [body.name for body in found.structure.bodies] == ["footing", "pier", "deck"]
-    assert found.bodies["1"] == "footing"
-    assert len(found.periods) == 4
-    assert_allclose(found.periods["period_s"], frame_periods(found), rtol=tol.SAME_FRAME)
-    assert not found.warnings
+    result = imported(tmp_path, rocking_pier_table())
+    assert [body.name for body in result.structure.bodies] == ["footing", "pier", "deck"]
+    assert result.bodies["1"] == "footing"
+    assert len(result.periods) == 4
+    assert_allclose(result.periods["period_s"], frame_periods(result), rtol=tol.SAME_FRAME)
+    assert not result.warnings
 
 
 def test_a_uniform_cantilever_converges() -> None:
@@ -262,9 +262,9 @@ def test_the_command_writes_a_structure(tmp_path: Path) -> None:
     done = command("structures", "import", table, "-o", tmp_path / "out", "--json")
     assert last_line(done)["outcome"] == "completed"
     folder = tmp_path / "out"
-    found = tb.examine_structure(folder / "case.resolved.toml")
+    result = tb.examine_structure(folder / "case.resolved.toml")
     expected = tb.import_frame(table)
-    assert_allclose(found.table["period_s"], expected.table["period_s"], rtol=1e-15)
+    assert_allclose(result.table["period_s"], expected.table["period_s"], rtol=1e-15)
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["frame"][0]["frame_period_s"] == expected.periods["frame_period_s"][0]
     names = {path.name for path in (folder / "figures").iterdir()}

@@ -64,9 +64,9 @@ BEARINGS = {
 }
 
 
-def close(found: Any, wanted: Any, name: str) -> None:
+def close(result: Any, wanted: Any, name: str) -> None:
     scale = max(float(np.abs(wanted).max()), 1e-300)
-    assert_allclose(found / scale, wanted / scale, rtol=0, atol=tol.CUT, err_msg=name)
+    assert_allclose(result / scale, wanted / scale, rtol=0, atol=tol.CUT, err_msg=name)
 
 
 IN_PLANE = [f"{name} in a plane" for name in BEARINGS if name not in ("monotone", "published")]
@@ -245,7 +245,7 @@ def test_the_run_of_the_same_bearing_and_temperature_goes_on(study: tb.Earthquak
 
 
 def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path) -> None:
-    for call, said in (
+    for call, output in (
         (
             lambda: tb.run("lrb-example", SHORT, 0.0, initial=study),
             'is a test of "shen-hdr-specimen"',
@@ -256,7 +256,7 @@ def test_what_no_test_can_go_on_from(study: tb.EarthquakeResult, tmp_path: Path)
         (lambda: tb.hybrid(HDR, ambient=0, initial=tmp_path), "initial_result: .*no result"),
         (lambda: tb.hybrid(HDR, ambient=0, initial=3), "an earlier result"),  # type: ignore[arg-type]
     ):
-        with pytest.raises(tb.InputError, match=said):
+        with pytest.raises(tb.InputError, match=output):
             call()
     cold = tb.bridge("shen-bilinear-bridge", "jra-ii-i-1", 0, duration=1)
     assert not [name for name in cold.dataset if str(name).startswith(PREFIX)]
@@ -292,9 +292,9 @@ def cyclic(*steps: dict[str, Any], **table: Any) -> dict[str, Any]:
     return {"part": "cyclic", "dt": DT, "steps": list(steps), **table}
 
 
-def the_same_end(found: Any, wanted: Any) -> None:
+def the_same_end(result: Any, wanted: Any) -> None:
     for key in (*(PREFIX + key for key in MEMORY), "final_temperature", "final_lead_temperature"):
-        close(found[key].values, wanted[key].values, key)
+        close(result[key].values, wanted[key].values, key)
 
 
 def test_cyclic_parts_are_one_test() -> None:
@@ -313,7 +313,7 @@ def test_cyclic_parts_are_one_test() -> None:
 def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
     """Its displacements recorded, and imposed on the same specimen together with what follows."""
     case = sequence_case(cyclic(SINE), HYBRID, cyclic(UNLOAD, SINE))
-    found = run_sequence(case)
+    result = run_sequence(case)
     hybrid = case.whole_part(1, None).model_copy(
         update={"initial_state": _state_after(sequence_case(cyclic(SINE)))}
     )
@@ -326,7 +326,7 @@ def test_a_hybrid_part_is_the_history_that_it_imposed(tmp_path: Path) -> None:
     assert np.abs(response["displacement"]).max() > 15.0
     recorded = {"step": "recorded", "file": str(file)}
     whole = run_sequence(sequence_case(cyclic(SINE, recorded, UNLOAD, SINE)))
-    the_same_end(found[2], whole[0])
+    the_same_end(result[2], whole[0])
 
 
 def _state_after(case: SequenceCase) -> Any:
@@ -340,8 +340,8 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
     """It is in balance when the hybrid part begins; and the balance of all parts closes."""
     still = {**HYBRID, "motion": {"name": "jra-ii-ii-1", "factor": 1e-6}, "method": method}
     cooled = {"part": "rest", "duration": "24 h"}  # the rate branch has relaxed
-    found = run_sequence(sequence_case(cyclic(LOAD), cooled, still))
-    history = found.history(2)
+    result = run_sequence(sequence_case(cyclic(LOAD), cooled, still))
+    history = result.history(2)
     assert history["force_kN"].iloc[0] > 100.0
     assert_allclose(history["displacement_mm"], 24.0, atol=tol.STILL)
     shaken = run_sequence(sequence_case(cyclic(LOAD), {**HYBRID, "method": method}))
@@ -354,16 +354,16 @@ def test_the_force_at_rest_moves_no_structure(method: str) -> None:
 
 def test_unloaded_specimens_start_from_zero() -> None:
     case = sequence_case(cyclic(LOAD), cyclic(SINE), between="unloaded")
-    found = run_sequence(case)
-    table = found.table
+    result = run_sequence(case)
+    table = result.table
     assert abs(table["force_start_kN"][1]) < tol.UNLOADED
     assert table["displacement_start_mm"][1] == 0.0
     assert table["force_end_kN"][0] > 100.0
-    state = found.parts[1].dataset
+    state = result.parts[1].dataset
     zero = float(state[PREFIX + "displacement"][0])  # the cycle ends at the zero of instruments
     assert 1.0 < zero < 24.0
     # A loop around it: its mean force is the elastic one of the rubber there.
-    loop = found.history(1)
+    loop = result.history(1)
     assert loop["displacement_mm"].max() == pytest.approx(45.0)
     assert loop["force_kN"].max() > -loop["force_kN"].min()
     left = run_sequence(sequence_case(cyclic(LOAD), cyclic(UNLOAD, SINE)))

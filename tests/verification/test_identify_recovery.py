@@ -32,17 +32,17 @@ def true_value(bearing: tb.Bearing, key: str) -> float:
     return float(getattr(getattr(bearing, table), name))
 
 
-def assert_recovered(found: Identification, truth: tb.Bearing) -> float:
+def assert_recovered(result: Identification, truth: tb.Bearing) -> float:
     """Every well determined parameter within three standard errors and 3 %; largest error."""
-    assert found.outcome == "completed"
+    assert result.outcome == "completed"
     largest = 0.0
-    for key, item in found.uncertainty.estimates.items():
+    for key, item in result.uncertainty.estimates.items():
         off = abs(item.value - true_value(truth, key))
         assert off <= tol.RECOVERED_ERRORS * item.stderr, (key, item)
         if item.well_determined:
             largest = max(largest, off / abs(true_value(truth, key)))
     assert largest <= tol.RECOVERED
-    assert all(fit.R2 >= tol.DETERMINATION for fit in found.fits)
+    assert all(fit.R2 >= tol.DETERMINATION for fit in result.fits)
     return largest
 
 
@@ -61,13 +61,13 @@ def test_recovery_from_a_blind_start(
     """Table 3.4 at three temperatures with 2 % of noise, starting from nobody's values."""
     records = [synthetic_record(truth, at, seed=10 * seed + i) for i, at in enumerate(AMBIENTS)]
     records = [replace(record, ambient_uncertainty=0.0) for record in records]
-    found = identify_bearing(records, generic_start(truth), seed=seed)
-    largest = assert_recovered(found, truth)
-    known = [e for e in found.uncertainty.estimates.values() if e.well_determined]
+    result = identify_bearing(records, generic_start(truth), seed=seed)
+    largest = assert_recovered(result, truth)
+    known = [e for e in result.uncertainty.estimates.values() if e.well_determined]
     assert len(known) >= well
     what = f"identified {truth.kind} parameters, largest error of the well determined"
     measured(what, largest, f"<= {tol.RECOVERED:g}")
-    assert not any("more than noise" in text for text in found.warnings)
+    assert not any("more than noise" in text for text in result.warnings)
 
 
 def small_problem(seed: int, memory: float) -> Identification:
@@ -110,11 +110,11 @@ def test_coverage_with_a_logger_that_runs_through_rests() -> None:
             synthetic_record(HDR, at, test, seed=600 + 10 * seed + i, **logger)  # type: ignore[arg-type]
             for i, at in enumerate((-20.0, 23.0))
         ]
-        found = identify_bearing(records, HDR, starts=1, start_from="bearing")
-        assert min(fit.R2 for fit in found.fits) > tol.DETERMINATION
+        result = identify_bearing(records, HDR, starts=1, start_from="bearing")
+        assert min(fit.R2 for fit in result.fits) > tol.DETERMINATION
         inside += [
             item.lower <= true_value(HDR, key) <= item.upper
-            for key, item in found.uncertainty.estimates.items()
+            for key, item in result.uncertainty.estimates.items()
         ]
     assert np.mean(inside) >= tol.COVERAGE_LOW
 
@@ -133,9 +133,9 @@ def test_another_law_is_noticed() -> None:
     assert not good.warnings
     assert max(f.R2 for f in bad.fits) < min(f.R2 for f in good.fits)
     assert max(f.R2 for f in bad.fits) < tol.MODEL_ERROR_R2
-    said = "\n".join(bad.warnings)
+    output = "\n".join(bad.warnings)
     assert "first cycles" in bad.warnings[0]  # the cause, not what follows from it
-    assert "more than noise" not in said
+    assert "more than noise" not in output
     wider = [
         bad.uncertainty.estimates[k].stderr_of_tests / good.uncertainty.estimates[k].stderr_of_tests
         for k in good.uncertainty.estimates
@@ -150,9 +150,9 @@ def test_another_law_is_noticed() -> None:
 def test_what_the_tests_cannot_tell_is_said() -> None:
     test = tb.cyclic_test(strain=[1.0], cycles=3, rest=None, closing_strain=None)
     record = synthetic_record(HDR, 23.0, test)
-    found = identify_bearing(record, HDR, free=["alpha_0", "K_r", "s", "d_y", "b", "m_T", "n_T"])
-    said = "\n".join(found.warnings)
-    assert "two ambient temperatures" in said
+    result = identify_bearing(record, HDR, free=["alpha_0", "K_r", "s", "d_y", "b", "m_T", "n_T"])
+    output = "\n".join(result.warnings)
+    assert "two ambient temperatures" in output
     held = identify_bearing(record, HDR)
     assert "hysteresis.elastic_temperature_coefficient" not in held.uncertainty.estimates
 
@@ -167,10 +167,10 @@ def test_outliers_and_a_robust_loss() -> None:
     spoilt = replace(record, force=force)
     errors = {}
     for loss in ("linear", "cauchy"):
-        found = identify_bearing(spoilt, HDR, loss=loss, starts=1)  # type: ignore[arg-type]
+        result = identify_bearing(spoilt, HDR, loss=loss, starts=1)  # type: ignore[arg-type]
         errors[loss] = max(
             abs(item.value - true_value(HDR, key)) / abs(true_value(HDR, key))
-            for key, item in found.uncertainty.estimates.items()
+            for key, item in result.uncertainty.estimates.items()
         )
     assert errors["cauchy"] < 0.5 * errors["linear"]
 
@@ -184,8 +184,8 @@ def test_thermocouples_are_fitted_and_judged() -> None:
     assert truth is not None
     assert truth.temperatures["T3_degC"].max() > truth.temperatures["T1_degC"].max()
     record = replace(bare, temperatures=truth.temperatures)
-    found = identify_bearing(record, HDR, temperatures=True, starts=1)
-    (fit,) = found.fits
+    result = identify_bearing(record, HDR, temperatures=True, starts=1)
+    (fit,) = result.fits
     assert {row["thermocouple"] for row in fit.thermocouples} == set(places)
     errors = [abs(row["rise_model_K"] / row["rise_test_K"] - 1.0) for row in fit.thermocouples]
     assert max(errors) < tol.TEMPERATURE_RISE
@@ -198,10 +198,10 @@ def test_lead_rubber_bearing_with_linear_rubber() -> None:
     truth = tb.load_bearing("lrb-example")
     test = tb.cyclic_test(strain=[0.25, 1.0, 2.0], cycles=3, wave="sine", speed=200.0, rest=None)
     records = [synthetic_record(truth, at, test, seed=i) for i, at in enumerate((-10.0, 30.0))]
-    found = identify_bearing(records, truth)
-    symbols = {e.parameter.kind.symbol for e in found.uncertainty.estimates.values()}
+    result = identify_bearing(records, truth)
+    symbols = {e.parameter.kind.symbol for e in result.uncertainty.estimates.values()}
     assert symbols == {"K_r", "m_T", "K_l", "sigma_Y", "E2"}  # these tests heat the lead by 100 K
-    assert_recovered(found, truth)
+    assert_recovered(result, truth)
 
 
 @pytest.mark.thorough
@@ -214,14 +214,14 @@ def test_standard_errors_are_the_exact_ones_of_correlated_noise(measured: Record
             synthetic_record(HDR, at, noise=noise, memory=rho, seed=30 + 10 * seed + i)
             for i, at in enumerate(AMBIENTS)
         ]
-        found = identify_bearing(records, HDR, starts=1, start_from="bearing")
-        jacobian = found.problem.jacobian(found.cube, fine=True, central=True)
+        result = identify_bearing(records, HDR, starts=1, start_from="bearing")
+        jacobian = result.problem.jacobian(result.cube, fine=True, central=True)
         bread = np.linalg.inv(jacobian.T @ jacobian)
         sizes = np.cumsum([len(record.time) for record in records])[:-1]
         meat = sum(J.T @ ar1_times(J, rho) for J in np.split(jacobian, sizes))
         exact = noise * np.sqrt(np.diag(bread @ meat @ bread))
-        items = found.uncertainty.estimates.values()
-        slopes = [e.parameter.slope(u) for e, u in zip(items, found.cube, strict=True)]
+        items = result.uncertainty.estimates.values()
+        slopes = [e.parameter.slope(u) for e, u in zip(items, result.cube, strict=True)]
         ratios.append(np.array([e.stderr_of_tests for e in items]) / slopes / exact)
     mean = np.mean(ratios, axis=0)
     off = float(np.abs(mean - 1.0).max())
@@ -248,9 +248,9 @@ def test_yield_stress_of_lead_is_identified(yield_stress: float) -> None:
     truth = with_values(LHDR, {"lead.yield_stress": yield_stress})
     test = tb.cyclic_test(**SHORT, wave="sine")
     records = [synthetic_record(truth, at, test, seed=i) for i, at in enumerate((-20.0, 23.0))]
-    found = identify_bearing(records, LHDR, starts=1)
-    estimates = found.uncertainty.estimates
-    assert abs(found.values["lead.yield_stress"] / yield_stress - 1.0) < tol.RECOVERED
+    result = identify_bearing(records, LHDR, starts=1)
+    estimates = result.uncertainty.estimates
+    assert abs(result.values["lead.yield_stress"] / yield_stress - 1.0) < tol.RECOVERED
     for key, item in estimates.items():
         assert abs(item.value - true_value(truth, key)) <= tol.RECOVERED_ERRORS * item.stderr, key
 
@@ -285,10 +285,10 @@ def intervals_with_a_file_that_is_off(bearing: tb.Bearing, seed: int) -> list[bo
         synthetic_record(truth, at, test, seed=100 * seed + i, sampling=25.0)
         for i, at in enumerate((-20.0, 23.0))
     ]
-    found = identify_bearing(records, bearing, starts=1, start_from="bearing")
+    result = identify_bearing(records, bearing, starts=1, start_from="bearing")
     return [
         item.lower <= true_value(truth, key) <= item.upper
-        for key, item in found.uncertainty.estimates.items()
+        for key, item in result.uncertainty.estimates.items()
     ]
 
 
@@ -310,8 +310,8 @@ def test_slips_are_reported_with_their_likely_cause(slip: str, words: str) -> No
         records = [replace(r, ambient=at) for r, at in zip(records, (23.0, -20.0), strict=True)]
     elif slip == "clock":
         records = [replace(r, time=0.5 * r.time) for r in records]
-    said = "\n".join(identify_bearing(records, bearing, starts=1).warnings)
-    assert words in said
+    output = "\n".join(identify_bearing(records, bearing, starts=1).warnings)
+    assert words in output
 
 
 @pytest.mark.parametrize(

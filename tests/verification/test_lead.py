@@ -175,9 +175,9 @@ def test_exchange_is_that_of_two_bodies(measured: Recorder) -> None:
         matrix[:2, :2] = g * dt * np.array([[-1.0, 1.0], [1.0, -1.0]]) / capacity[:, None]
         matrix[0, 2] = heat / capacity[0]
         exact = expm(matrix)[:2] @ np.array([60.0, temperature[touched], 1.0])
-        found = np.array([after, temperature[touched] + work.cells.change[touched]])
-        assert_allclose(found, exact, rtol=0.0, atol=tol.TWO_BODIES)
-        kept = capacity @ found - capacity @ np.array([60.0, temperature[touched]]) - heat
+        result = np.array([after, temperature[touched] + work.cells.change[touched]])
+        assert_allclose(result, exact, rtol=0.0, atol=tol.TWO_BODIES)
+        kept = capacity @ result - capacity @ np.array([60.0, temperature[touched]]) - heat
         worst = max(worst, abs(kept) / capacity.sum())
     work, state = types.new_workspace(constants), types.new_state(constants, temperature, 60.0)
     alone = exchange(constants, work, state, 30.0, 0.0, 0.0, 0.1)  # adiabatic
@@ -323,8 +323,8 @@ def test_disc_on_a_plate_when_all_is_steady() -> None:
         (math.inf, np.tanh(wave * height) / (k * wave)),
         (0.0, 1.0 / np.tanh(wave * height) / (k * wave)),
     ):
-        found = way.disc_on_plate(sizes, film, room, RATES[0])
-        assert_allclose(found, (mean * each).sum() / area, rtol=tol.KERNEL_STEADY)
+        result = way.disc_on_plate(sizes, film, room, RATES[0])
+        assert_allclose(result, (mean * each).sum() / area, rtol=tol.KERNEL_STEADY)
     held, robin, free = (
         way.disc_on_plate(sizes, film, room, RATES[0]) for film in (math.inf, 1e-3, 0.0)
     )
@@ -344,8 +344,8 @@ def test_core_when_all_is_steady() -> None:
 def test_edges_of_shims_on_a_wide_core_are_those_on_a_half_plane() -> None:
     """Shims as thick as the layers: 4 p/pi^3 times the sum of 1/n^3 over odd n, over 2 pi r h k."""
     lead, radius, pitch = network_sizes()[0].lead, 1e6, 10.0
-    found = way.to_edges(lead, 0.5 * pitch, 0.5 * pitch, radius, RATES[0])
-    steady = found * 2.0 * math.pi * radius * pitch * lead.conductivity
+    result = way.to_edges(lead, 0.5 * pitch, 0.5 * pitch, radius, RATES[0])
+    steady = result * 2.0 * math.pi * radius * pitch * lead.conductivity
     wanted = 4.0 * pitch / math.pi**3 * 7.0 / 8.0 * special.zeta(3.0)
     assert_allclose(steady, wanted, rtol=1e-4)  # of 60 terms
 
@@ -486,13 +486,13 @@ def test_a_single_layer_has_no_shims_to_touch() -> None:
 
 def test_order_in_time(measured: Recorder) -> None:
     """First order: the flow is constant over a step, and the plate's own answer lags by one."""
-    found = [
+    result = [
         still(True, 80.0, 4.0 / n, n)[1][-1].branches[0].lead_temperature for n in (800, 1600, 3200)
     ]
-    order = math.log2((found[0] - found[1]) / (found[1] - found[2]))
+    order = math.log2((result[0] - result[1]) / (result[1] - result[2]))
     measured("lead on finite plates: observed order in time", f"{order:.3f}", "1 +- 0.1")
     assert abs(order - 1.0) < 0.1
-    assert abs(found[1] - found[2]) < tol.ENDS_STEP
+    assert abs(result[1] - result[2]) < tol.ENDS_STEP
 
 
 def test_terms_are_what_separates_core_and_plate() -> None:

@@ -24,32 +24,32 @@ import thermobearing as tb
 from tests.verification.test_lockstep import shakes
 from thermobearing.structure.lanes import run_lanes, run_peaks
 
-found = {}
+histories = {}
 for name in ("shen-hdr-specimen", "shen-lhdr-specimen"):
     test = tb.cyclic_test(strain=[0.5, 1.75], cycles=2, dt=0.05)
     for data, values in tb.run(name, test, ambient=-20.0).dataset.data_vars.items():
-        found[f"{name} {data}"] = values.values
+        histories[f"{name} {data}"] = values.values
 for quake in (
     tb.bridge("shen-lhdr-bridge", "jra-ii-i-1", -20.0, duration=6.0),
     tb.hybrid("shen-lhdr-specimen", ambient=-20.0, duration=2.0, laboratory={"mode": "pd"}),
 ):
     for data, values in quake.dataset.data_vars.items():
-        found[f"{type(quake).__name__} {data}"] = values.values
+        histories[f"{type(quake).__name__} {data}"] = values.values
 spectrum = tb.response_spectrum(tb.load_motion("jra-ii-i-1"), [0.1, 1.0, 3.0])
-found["spectrum"] = spectrum.peaks
+histories["spectrum"] = spectrum.peaks
 element = tb.element("shen-lhdr-bridge", ambient=-20.0)
 steps = []
 for x in 80.0 * np.sin(0.1 * np.arange(1, 200)):
     steps.append(element.set_trial(x, dt=0.02).force)
     element.commit()
-found["element"] = np.array(steps)
+histories["element"] = np.array(steps)
 runs = shakes(duration=3.0)[:16]
 for k, one in enumerate(run_lanes(runs) if "lanes" in sys.argv else [run_peaks(runs[0])]):
     for group in ("watches", "lines", "energies", "bearings"):
         rows = getattr(one, group)
         for name in rows.dtype.names:
-            found[f"{k} {group} {name}"] = rows[name]
-np.savez(sys.argv[1], **{k: v for k, v in found.items() if v.dtype.kind == "f"})
+            histories[f"{k} {group} {name}"] = rows[name]
+np.savez(sys.argv[1], **{k: v for k, v in histories.items() if v.dtype.kind == "f"})
 """
 
 
@@ -61,8 +61,8 @@ def numbers(folder: Path, level: str, *words: str) -> dict[str, np.ndarray]:
         env={**os.environ, native.CHOICE: level},
         check=True,
     )
-    with np.load(file) as found:
-        return dict(found)
+    with np.load(file) as result:
+        return dict(result)
 
 
 @pytest.fixture(scope="module")
@@ -80,12 +80,12 @@ def test_levels_give_the_numbers_of_numba(
         pytest.skip("the kernels are not built: make kernels")
     if sources_digest() not in (native.FOLDER / native.DESCRIPTION).read_text():
         pytest.skip("the kernels are built from other sources: make kernels")
-    found = numbers(tmp_path, level, "lanes")
-    assert found.keys() == by_numba.keys()
+    result = numbers(tmp_path, level, "lanes")
+    assert result.keys() == by_numba.keys()
     for name, expected in by_numba.items():
         if level != "v1":
-            assert_array_equal(found[name], expected, err_msg=name)
+            assert_array_equal(result[name], expected, err_msg=name)
         elif not any(word in name for word in NOISE):
             scale = np.nanmax(np.abs(expected), initial=0.0)
-            apart = np.nanmax(np.abs(found[name] - expected), initial=0.0)
+            apart = np.nanmax(np.abs(result[name] - expected), initial=0.0)
             assert apart <= tol.WITHOUT_FUSING * scale, name

@@ -175,8 +175,8 @@ def computed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     script = str(HERE / "live_engine.mjs")
     done = subprocess.run([node, script, *files], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    result: dict[str, Any] = json.loads(done.stdout)
+    return result
 
 
 def differ(mine: Any, theirs: Any) -> float:
@@ -202,16 +202,16 @@ def compared(one: dict[str, Any], page: dict[str, Any]) -> dict[str, float]:
     assert page["outcome"] == mine["outcome"]
     assert page.get("softened") == mine.get("softened")
     histories = [key for key in ("displacement", "force", "rotation") if key in mine]
-    found = {k: differ(page[k], mine[k]) / float(np.abs(mine[k]).max()) for k in histories}
-    found["temperature"] = differ(page["temperature"], mine["temperature"])
+    result = {k: differ(page[k], mine[k]) / float(np.abs(mine[k]).max()) for k in histories}
+    result["temperature"] = differ(page["temperature"], mine["temperature"])
     if mine.get("lead") is not None:
-        found["lead"] = differ(page["lead"], mine["lead"])
+        result["lead"] = differ(page["lead"], mine["lead"])
     for key, column in MEASURES.items() if "cycles" in mine else ():
         theirs = np.array([cycle[key] for cycle in page["cycles"]])
         expected = mine["cycles"][column].to_numpy() if len(mine["cycles"]) else np.zeros(0)
         scale = max(1e-2, *np.abs(expected)) if len(expected) else 1.0  # plain rubber has no Q_d
-        found[key] = differ(theirs, expected) / scale
-    return found
+        result[key] = differ(theirs, expected) / scale
+    return result
 
 
 LIMITS = {
@@ -226,9 +226,9 @@ LIMITS = {
 def assert_alike(results: list[dict[str, Any]]) -> None:
     worst: dict[str, float] = {}
     for (name, one), page in zip(CASES.items(), results[: len(CASES)], strict=True):
-        found = compared(one, page)
-        assert all(value < LIMITS[key] for key, value in found.items()), (name, found)
-        worst |= {key: max(value, worst.get(key, 0.0)) for key, value in found.items()}
+        result = compared(one, page)
+        assert all(value < LIMITS[key] for key, value in result.items()), (name, result)
+        worst |= {key: max(value, worst.get(key, 0.0)) for key, value in result.items()}
     print({key: f"{value:.1e}" for key, value in worst.items()})
 
 

@@ -194,19 +194,19 @@ def shakes(dt: float = 0.01, duration: float = 12.0) -> list[Run]:
         real_bearing("shen-lhdr-bridge"),
         bilinear_constants(BilinearParameters(154.8, 2.0, 15.0)),
     ]
-    found = []
+    result = []
     for number in range(WIDTH + 4):
         constants = bearings[number % 2]
         air = -25.0 + 2.5 * number
         line = Line(constants, np.full(len(constants.cells.capacity), air))
         shaken = (0.8 + 0.1 * number) * ground
-        found.append(Run(prepared, [line], shaken, dt, air))
-    return found
+        result.append(Run(prepared, [line], shaken, dt, air))
+    return result
 
 
-def list_numbers(found: RunPeaks) -> dict[str, Any]:
+def list_numbers(result: RunPeaks) -> dict[str, Any]:
     groups = ("watches", "lines", "hinges", "energies", "bearings")
-    columns = {group: getattr(found, group) for group in groups}
+    columns = {group: getattr(result, group) for group in groups}
     return {f"{g}.{name}": c[name] for g, c in columns.items() for name in c.dtype.names}
 
 
@@ -242,11 +242,11 @@ def test_bridges_in_lockstep_are_bridges_alone(plan: bool) -> None:
         bent = [float(one.hinges["rotation"][0]) for one in together]
         yields = runs[0].prepared.structure.hinges[0].yield_rotation
         assert min(bent) < yields < max(bent)
-    for run, found in zip(runs, together, strict=True):
+    for run, result in zip(runs, together, strict=True):
         wanted = run_peaks(run)
-        assert (found.outcome, found.steps) == (wanted.outcome, wanted.steps)
+        assert (result.outcome, result.steps) == (wanted.outcome, wanted.steps)
         known = list_numbers(wanted)
-        for name, values in list_numbers(found).items():
+        for name, values in list_numbers(result).items():
             if not name.endswith(NOISE):
                 scale = known[SCALES.get(name, name)]
                 if scale.shape != values.shape:  # components of a vector, and its peaks
@@ -263,17 +263,17 @@ def with_rows(run: Run) -> StructureHistory:
 def test_peaks_in_plan_are_those_of_the_rows() -> None:
     """The largest of each component and of the resultant."""
     run = in_plan(shakes(duration=8.0)[7])
-    found, history = run_peaks(run), with_rows(run)
-    assert (found.outcome, found.iterations) == (history.outcome, history.iterations)
+    result, history = run_peaks(run), with_rows(run)
+    assert (result.outcome, result.iterations) == (history.outcome, history.iterations)
     for line in range(4):
         for name in ("displacement", "force"):
             values = np.asarray(history.bearing(line)[name])
             size = np.hypot(values[:, 0], values[:, 1]).max()
-            assert_array_equal(found.lines[name][line, :2], np.abs(values).max(axis=0))
-            assert_allclose(found.lines[name][line, 2], size, rtol=tol.LOOP)
+            assert_array_equal(result.lines[name][line, :2], np.abs(values).max(axis=0))
+            assert_allclose(result.lines[name][line, 2], size, rtol=tol.LOOP)
         speed = np.hypot(*loading_speed(history.bearing(line)).T).max()
-        assert_allclose(found.lines["speed"][line, 2], speed, rtol=tol.LOOP)
-    assert_array_equal(found.watches["displacement"][:, 0], np.abs(history.rows.q).max(axis=0))
+        assert_allclose(result.lines["speed"][line, 2], speed, rtol=tol.LOOP)
+    assert_array_equal(result.watches["displacement"][:, 0], np.abs(history.rows.q).max(axis=0))
     place = displacement_row(run.prepared.structure, "deck", 0.0, 1e4, 5e3)[None]
     watched = dataclasses.replace(run, places=place, carried=np.ones(1))
     acceleration = np.einsum("tn,nc->tc", history.rows.a, place[0]) + run.ground
@@ -284,18 +284,18 @@ def test_peaks_in_plan_are_those_of_the_rows() -> None:
 @pytest.mark.thorough
 def test_peaks_are_those_of_the_rows() -> None:
     run = shakes()[7]
-    found = run_peaks(run)
+    result = run_peaks(run)
     history = with_rows(run)
     bearing, hinge = history.bearing(), history.hinge()
-    assert (found.steps, found.iterations) == (history.steps, history.iterations)
-    assert found.lines["displacement"][0] == np.abs(bearing["displacement"]).max()
-    assert found.lines["force"][0] == np.abs(bearing["force"]).max()
-    assert found.hinges["rotation"][0] == np.abs(hinge["rotation"]).max()
-    assert found.hinges["moment"][0] == np.abs(hinge["moment"]).max()
-    assert_array_equal(found.watches["displacement"], np.abs(history.rows.q).max(axis=0))
-    assert_array_equal(found.watches["residual"], history.rows.q[-1])
-    assert_array_equal(found.watches["acceleration"], np.abs(history.rows.a).max(axis=0))
-    assert found.energies[0].input == history.rows.energies[-1].input
+    assert (result.steps, result.iterations) == (history.steps, history.iterations)
+    assert result.lines["displacement"][0] == np.abs(bearing["displacement"]).max()
+    assert result.lines["force"][0] == np.abs(bearing["force"]).max()
+    assert result.hinges["rotation"][0] == np.abs(hinge["rotation"]).max()
+    assert result.hinges["moment"][0] == np.abs(hinge["moment"]).max()
+    assert_array_equal(result.watches["displacement"], np.abs(history.rows.q).max(axis=0))
+    assert_array_equal(result.watches["residual"], history.rows.q[-1])
+    assert_array_equal(result.watches["acceleration"], np.abs(history.rows.a).max(axis=0))
+    assert result.energies[0].input == history.rows.energies[-1].input
     warm = run_peaks(shakes()[8])
     air = shakes()[8]
     rows_ = with_rows(air)
@@ -314,12 +314,12 @@ def test_a_run_that_ends_early_has_the_numbers_of_its_last_whole_step() -> None:
     constants = constants._replace(lead=constants.lead._replace(softening_beyond=0.0))
     line = Line(constants, np.full(len(constants.cells.capacity), air))
     run = Run(prepared, [line], 10.0 * read_ground("jra-ii-i-1", 0.01, 10.0), 0.01, air)
-    found, history = run_peaks(run), with_rows(run)
-    assert (found.outcome, found.steps) == (history.outcome, history.steps)
-    assert found.outcome == "lead_melted"
-    assert found.bearings[0] == history.bearing()[-1]
+    result, history = run_peaks(run), with_rows(run)
+    assert (result.outcome, result.steps) == (history.outcome, history.steps)
+    assert result.outcome == "lead_melted"
+    assert result.bearings[0] == history.bearing()[-1]
     for name in ("input", "kinetic", "hinges"):
-        assert found.energies[0][name] == history.rows.energies[-1][name]
+        assert result.energies[0][name] == history.rows.energies[-1][name]
     at_once = run_peaks(dataclasses.replace(run, ground=np.array([0.0, np.nan])))
     work_and_input = at_once.bearings["work_in"][0], at_once.energies["input"][0]
     assert (at_once.steps, *work_and_input) == (0, 0, 0)
@@ -334,8 +334,8 @@ def test_absolute_acceleration_of_a_place() -> None:
     )
     history = with_rows(run)
     wanted = np.abs(history.rows.a[:, 0] + run.ground).max()
-    for found in (run_peaks(watched), run_lanes([watched])[0]):
-        assert found.watches["acceleration"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
+    for result in (run_peaks(watched), run_lanes([watched])[0]):
+        assert result.watches["acceleration"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
 
 
 @pytest.mark.thorough
@@ -368,10 +368,10 @@ def test_bearings_of_another_heat_are_in_another_lockstep() -> None:
     other = dataclasses.replace(line, constants=line.constants._replace(cells=cells))
     air = runs[0].ambient + 50.0
     both = [dataclasses.replace(runs[0], lines=[one], ambient=air) for one in (line, other)]
-    found = run_lanes(both)
-    warm = [one.lines["rubber_temperature"][0] for one in found]
+    result = run_lanes(both)
+    warm = [one.lines["rubber_temperature"][0] for one in result]
     assert warm[1] > warm[0] + 0.01
-    for run, one in zip(both, found, strict=True):
+    for run, one in zip(both, result, strict=True):
         wanted = run_peaks(run).lines["rubber_temperature"][0]
         assert one.lines["rubber_temperature"][0] == pytest.approx(wanted, rel=tol.LANE_PEAK)
     shared = [with_shared_cells(one.lines[0].constants) for one in both]
@@ -391,15 +391,15 @@ def test_what_leaves_the_lockstep_is_run_alone() -> None:
     for shaken in (0.1 * ground, 9.0 * ground, spoilt, 0.05 * ground):
         line = Line(constants, np.full(len(constants.cells.capacity), -30.0))
         runs.append(Run(prepared, [line], shaken, 0.05, -30.0))
-    found = run_lanes(runs)
-    assert [one.alone for one in found] == [False, True, True, False]
-    assert found[2].outcome != "completed"
-    assert found[2].steps < len(ground) - 1
+    result = run_lanes(runs)
+    assert [one.alone for one in result] == [False, True, True, False]
+    assert result[2].outcome != "completed"
+    assert result[2].steps < len(ground) - 1
     for place in (1, 2):
-        mine, theirs = list_numbers(found[place]), list_numbers(run_peaks(runs[place]))
+        mine, theirs = list_numbers(result[place]), list_numbers(run_peaks(runs[place]))
         assert all(np.array_equal(mine[name], theirs[name]) for name in mine)
     quiet = run_lanes([runs[0]])[0]
-    assert list_numbers(quiet)["lines.force"] == list_numbers(found[0])["lines.force"]
+    assert list_numbers(quiet)["lines.force"] == list_numbers(result[0])["lines.force"]
 
 
 def test_the_predictor_has_no_lockstep() -> None:

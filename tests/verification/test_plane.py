@@ -92,11 +92,11 @@ def turned(x: Floats, angle: float) -> Floats:
 
 def on_line(constants: Constants, x: Floats, temperature: float) -> list[tuple[float, float, int]]:
     state, spare = begun(constants, temperature, components=1)
-    work, found = new_workspace(constants), []
+    work, result = new_workspace(constants), []
     for at in x.tolist():
-        found.append(step(constants, work, state, at, DT, temperature, spare))
+        result.append(step(constants, work, state, at, DT, temperature, spare))
         state, spare = spare, state
-    return [*found, state]
+    return [*result, state]
 
 
 CASES = {
@@ -122,11 +122,11 @@ def test_a_line_in_the_plane_is_the_line(case: str, angle: float, measured: Reco
     work = new_workspace(constants, 2)
     scale, apart = max(abs(force) for force, *_ in line), 0.0
     for at, (force, tangent, outcome) in zip(x, line, strict=True):
-        *found, ended = step_plane(constants, work, state, *(at * e), DT, temperature, spare)
+        *result, ended = step_plane(constants, work, state, *(at * e), DT, temperature, spare)
         state, spare = spare, state
         assert ended == outcome
-        apart = max(apart, float(np.abs(found[:2] - force * e).max()) / scale)
-        along = e @ np.reshape(found[2:], (2, 2)) @ e
+        apart = max(apart, float(np.abs(result[:2] - force * e).max()) / scale)
+        along = e @ np.reshape(result[2:], (2, 2)) @ e
         assert_allclose(along, tangent, rtol=0.0, atol=1e2 * tol.PLANE_LINE * scale)
     assert apart < tol.PLANE_LINE
     assert_allclose(state.temperature, last.temperature, rtol=0.0, atol=tol.PLANE_LINE * 100.0)
@@ -155,7 +155,7 @@ def curvature(s: float) -> float:
 
 def increments(count: int) -> list[tuple[float, Floats, Floats]]:
     """Shape s, Z and dX at random; Z within the circle of d_y, increments of 0.001 to 10 d_y."""
-    rng, found = np.random.default_rng(7), []
+    rng, result = np.random.default_rng(7), []
     for _ in range(count):
         s = float(rng.choice([-0.7, 0.0, 0.4, 1.0, 2.5]))
         angles = rng.uniform(0.0, 2.0 * math.pi, 2)
@@ -164,8 +164,8 @@ def increments(count: int) -> list[tuple[float, Floats, Floats]]:
             size * np.array([math.cos(a), math.sin(a)])
             for a, size in zip(angles, sizes, strict=True)
         )
-        found.append((s, z, dx))
-    return found
+        result.append((s, z, dx))
+    return result
 
 
 def exact(z: Floats, dx: Floats, s: float) -> tuple[Floats, Floats]:
@@ -184,13 +184,13 @@ def test_hysteresis_in_closed_form_solves_its_equation(measured: Recorder) -> No
             power = dx @ now
             return np.asarray(dx - now * (s * beta * power + beta * abs(power)))
 
-        found, _ = exact(z, dx, s)
+        result, _ = exact(z, dx, s)
         # Split where the direction of loading changes, for the equation has a kink there.
         solved = solve_ivp(
             rate, (0.0, 1.0), z, method="DOP853", rtol=1e-12, atol=1e-13, max_step=0.1
         )
-        apart = max(apart, float(np.abs(found - solved.y[:, -1]).max()) / D_Y)
-        assert np.linalg.norm(found) <= D_Y * (1.0 + tol.SPLIT_INCREMENT)
+        apart = max(apart, float(np.abs(result - solved.y[:, -1]).max()) / D_Y)
+        assert np.linalg.norm(result) <= D_Y * (1.0 + tol.SPLIT_INCREMENT)
     assert apart < tol.PLANE_HYSTERESIS
     name = "hysteresis in a plane against scipy solve_ivp, 300 increments, of d_y"
     measured(name, apart, f"{tol.PLANE_HYSTERESIS:g}")
@@ -258,16 +258,16 @@ def test_tangent_and_energy_of_a_step(
     work, softened = new_workspace(constants, 2), 0
 
     def take(x: Floats) -> tuple[Floats, int]:
-        *found, outcome = step_plane(constants, work, state, *x.tolist(), DT, temperature, spare)
-        return np.array(found), outcome
+        *result, outcome = step_plane(constants, work, state, *x.tolist(), DT, temperature, spare)
+        return np.array(result), outcome
 
     for number, x in enumerate(eight):
-        found, outcome = take(x)
+        result, outcome = take(x)
         softened += outcome == SOFTENED
         if number % 4 == 3 or outcome == SOFTENED:
             for k, by in enumerate(h * np.eye(2)):
                 expected = (take(x + by)[0][:2] - take(x - by)[0][:2]) / (2.0 * h)
-                slope = found[2:].reshape(2, 2)[:, k]
+                slope = result[2:].reshape(2, 2)[:, k]
                 assert_allclose(slope, expected, atol=tol.PLANE_TANGENT * np.abs(expected).max())
             take(x)
         state, spare = spare, state
@@ -310,8 +310,8 @@ def test_layers_soften_by_the_smallest_eigenvalue() -> None:
 
 def test_smallest_eigenvalue_of_the_symmetric_part() -> None:
     for matrix in np.random.default_rng(2).normal(size=(20, 2, 2)):
-        found = lowest((tuple(matrix[0]), tuple(matrix[1])))  # type: ignore[arg-type]
-        assert_allclose(found, np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0], atol=1e-14)
+        result = lowest((tuple(matrix[0]), tuple(matrix[1])))  # type: ignore[arg-type]
+        assert_allclose(result, np.linalg.eigvalsh(0.5 * (matrix + matrix.T))[0], atol=1e-14)
 
 
 def test_a_circle_has_a_force_of_constant_size(measured: Recorder) -> None:
@@ -330,10 +330,10 @@ def test_a_circle_has_a_force_of_constant_size(measured: Recorder) -> None:
     x, force = rows.response["displacement"][-steps:], rows.response["force"][-steps:]
     outward = x / radius
     onward = np.stack([-outward[:, 1], outward[:, 0]], axis=1)
-    found = np.stack([(force * outward).sum(axis=1), (force * onward).sum(axis=1)], axis=1)
-    assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=tol.PLANE_CIRCLE)
+    result = np.stack([(force * outward).sum(axis=1), (force * onward).sum(axis=1)], axis=1)
+    assert_allclose(result, np.broadcast_to(expected, result.shape), rtol=tol.PLANE_CIRCLE)
     assert_allclose(np.linalg.norm(force, axis=1).std(), 0.0, atol=1e-9)
-    lag = np.arctan2(*found.T[::-1])
+    lag = np.arctan2(*result.T[::-1])
     wanted = math.atan2(expected[1], expected[0])
     apart = float(np.abs(lag - wanted).max())
     assert apart < tol.PLANE_CIRCLE
@@ -362,11 +362,11 @@ def test_the_order_of_the_temperatures_is_that_of_a_line(bearing: str, measured:
     constants = plane_constants(bearing)
 
     def order(shape: Any) -> float:
-        found = [
+        result = [
             moved(constants, shape(steps), -20.0, 4.0 / steps)[1].temperature
             for steps in (1600, 3200, 6400)
         ]
-        first, second = np.abs(np.diff(found, axis=0)).max(axis=1)
+        first, second = np.abs(np.diff(result, axis=0)).max(axis=1)
         return math.log2(first / second)
 
     orders = [order(lambda steps, axes=axes: circle(50.0, 2, steps) * axes) for axes in AXES]

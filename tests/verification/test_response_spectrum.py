@@ -23,12 +23,12 @@ def make_motion(values: object, dt: float = 0.01) -> GroundMotion:
 def test_sudden_load_overshoots_as_the_closed_form(damping: float) -> None:
     """u_max = a / w^2 (1 + exp(-pi zeta / sqrt(1 - zeta^2))), at half a damped period."""
     period = 1.0 * np.sqrt(1.0 - damping**2)  # so that the peak is on a sample
-    found = response_spectrum(make_motion(np.full(301, 1000.0)), [period], damping)
+    result = response_spectrum(make_motion(np.full(301, 1000.0)), [period], damping)
     over = 1.0 + np.exp(-np.pi * damping / np.sqrt(1.0 - damping**2))
     exact = 1000.0 * (period / (2.0 * np.pi)) ** 2 * over
-    assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
-    assert found.pseudo_acceleration[0] == pytest.approx(1000.0 * over, rel=tol.EXACT_OSCILLATOR)
-    assert found.pseudo_velocity[0] == pytest.approx(
+    assert result.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
+    assert result.pseudo_acceleration[0] == pytest.approx(1000.0 * over, rel=tol.EXACT_OSCILLATOR)
+    assert result.pseudo_velocity[0] == pytest.approx(
         exact * 2.0 * np.pi / period, rel=tol.EXACT_OSCILLATOR
     )
 
@@ -37,9 +37,9 @@ def test_linear_acceleration_is_followed_exactly() -> None:
     """Undamped under a = s t: u = -s (t - sin(w t) / w) / w^2, whatever the time step."""
     slope, w = 500.0, 2.0 * np.pi / 0.8
     end = 2.0
-    found = response_spectrum(make_motion([0.0, slope * end], end), [0.8], 0.0, steps_per_period=1)
+    result = response_spectrum(make_motion([0.0, slope * end], end), [0.8], 0.0, steps_per_period=1)
     exact = slope * (end - np.sin(w * end) / w) / w**2
-    assert found.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
+    assert result.displacement[0] == pytest.approx(exact, rel=tol.EXACT_OSCILLATOR)
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.0, 3.0])
@@ -57,8 +57,8 @@ def test_steady_vibration_under_a_sine(ratio: float) -> None:
     )
     assert np.abs(response[quiet:]).max() == pytest.approx(100.0 * gain, rel=tol.HARMONIC)
     if ratio == 1.0:  # nothing before was larger
-        found = response_spectrum(motion, [period], damping).acceleration[0]
-        assert found == pytest.approx(100.0 * gain, rel=tol.HARMONIC)
+        result = response_spectrum(motion, [period], damping).acceleration[0]
+        assert result == pytest.approx(100.0 * gain, rel=tol.HARMONIC)
 
 
 @pytest.mark.parametrize("period", [0.1, 0.5, 2.0])
@@ -70,19 +70,19 @@ def test_whole_histories_peak_as_with_scipy(period: float) -> None:
     wanted = np.array([[1.0, 0.0], [0.0, 1.0], [-(w**2), -2.0 * damping * w]])
     system = signal.StateSpace(matrix, [[0.0], [-1.0]], wanted, np.zeros((3, 1)))
     _, response, _ = signal.lsim(system, motion.acceleration, motion.time)
-    found = response_spectrum(motion, [period], damping, steps_per_period=1)
+    result = response_spectrum(motion, [period], damping, steps_per_period=1)
     peaks = np.abs(response).max(axis=0)
-    ours = [found.displacement[0], found.velocity[0], found.acceleration[0]]
+    ours = [result.displacement[0], result.velocity[0], result.acceleration[0]]
     assert_allclose(ours, peaks, rtol=tol.LSIM_SPECTRUM)
 
 
 def test_ends_of_the_period_axis() -> None:
     """A rigid oscillator moves with the ground, a very soft one stays where it was."""
     motion = load_motion("jra-ii-i-1")
-    found = response_spectrum(motion, [0.0, 1e-9, 1000.0])
-    assert_allclose(found.acceleration[:2], motion.pga, rtol=1e-12)
-    assert found.displacement[0] == 0.0
-    assert found.displacement[2] == pytest.approx(np.abs(motion.displacement).max(), rel=0.05)
+    result = response_spectrum(motion, [0.0, 1e-9, 1000.0])
+    assert_allclose(result.acceleration[:2], motion.pga, rtol=1e-12)
+    assert result.displacement[0] == 0.0
+    assert result.displacement[2] == pytest.approx(np.abs(motion.displacement).max(), rel=0.05)
 
 
 def test_steps_within_a_period_miss_no_peak() -> None:
@@ -143,31 +143,31 @@ def test_motion_along_a_line_has_the_rotation_measures_of_a_cosine(angle: float)
     """Along an axis at an angle a the response is |cos a| times its own: median cos 45 deg."""
     motion = PAIR.first
     x, y = make_pair(motion, angle=angle).rotated().T
-    found = rotated_spectrum(MotionPair(make_motion(x), make_motion(y)), PERIODS)
+    result = rotated_spectrum(MotionPair(make_motion(x), make_motion(y)), PERIODS)
     own = response_spectrum(motion, PERIODS)
     for name in QUANTITIES:
-        rotd50, rotd100 = rotation_measures(getattr(found, name), ANGLES.tolist())
+        rotd50, rotd100 = rotation_measures(getattr(result, name), ANGLES.tolist())
         assert_allclose(rotd100, getattr(own, name), rtol=tol.ROTATED)
         assert_allclose(rotd50, np.sqrt(0.5) * getattr(own, name), rtol=tol.ROTATED)
 
 
 @pytest.mark.parametrize("angle", [0, 17, 90, 151])
 def test_rotated_responses_are_those_to_rotated_records(angle: int) -> None:
-    found = rotated_spectrum(PAIR, PERIODS, 0.1)
+    result = rotated_spectrum(PAIR, PERIODS, 0.1)
     turned = response_spectrum(make_motion(PAIR.rotated(float(angle))[:, 0]), PERIODS, 0.1)
     for name in QUANTITIES:
         assert_allclose(
-            getattr(found, name)[angle], getattr(turned, name), rtol=tol.ROTATED, atol=0.0
+            getattr(result, name)[angle], getattr(turned, name), rtol=tol.ROTATED, atol=0.0
         )
 
 
 def test_rotation_measures_do_not_depend_on_the_axes_of_the_records() -> None:
     x, y = PAIR.rotated(41.0).T
     turned = rotated_spectrum(MotionPair(make_motion(x), make_motion(y)), PERIODS)
-    found = rotated_spectrum(PAIR, PERIODS)
+    result = rotated_spectrum(PAIR, PERIODS)
     for name in QUANTITIES:
         for one, other in zip(
-            rotation_measures(getattr(found, name)),
+            rotation_measures(getattr(result, name)),
             rotation_measures(getattr(turned, name)),
             strict=True,
         ):

@@ -179,11 +179,11 @@ def test_no_step_fails_in_hostile_histories(ambient: float, dt: float) -> None:
     speeds = np.repeat(rng.uniform(-900.0, 900.0, 40), 50)
     x = np.cumsum(speeds * dt)
     x = 105.0 * np.sin(x / max(np.abs(x).max(), 1.0) * 9.0)
-    found = marched(
+    result = marched(
         assembled(virgin(amplitude=4.0, mullins_amplitude=0.6)), x, dt, ambient, ambient
     )
-    assert np.isfinite(numbers(found.response)).all()
-    assert len(found.response) == len(x)
+    assert np.isfinite(numbers(result.response)).all()
+    assert len(result.response) == len(x)
 
 
 def test_the_memory_is_that_of_the_mean_displacement() -> None:

@@ -55,9 +55,9 @@ def test_a_plan_in_one_direction_is_the_line(
         both[:, axis] = ground
         prepared, plan = shaken(pier_in_plan(), constants, both, DT, damping="element")
         mine = [n.endswith(f" {way}") for n in prepared.matrices.coordinates]
-        for found, wanted in zip(plan.rows[1:3], line.rows[1:3], strict=True):
-            worst = max(worst, np.abs(found[:, mine] - wanted).max() / np.abs(wanted).max())
-            assert not found[:, np.logical_not(mine)].any()
+        for result, wanted in zip(plan.rows[1:3], line.rows[1:3], strict=True):
+            worst = max(worst, np.abs(result[:, mine] - wanted).max() / np.abs(wanted).max())
+            assert not result[:, np.logical_not(mine)].any()
         force = plan.bearing()["force"]
         assert not force[:, 1 - axis].any()
         assert_allclose(force[:, axis], line.bearing()["force"], atol=1e-9)

@@ -243,9 +243,9 @@ def test_an_element_commits_goes_back_and_is_copied() -> None:
     forces = []
     for one in (element, *others):
         for x in (98.0, 99.0, 98.5):
-            found = one.set_trial(x, 0.01)
+            result = one.set_trial(x, 0.01)
             one.commit()
-        forces.append(found.force)
+        forces.append(result.force)
     assert set(element.state.layers["turns"]) == {3.0}
     assert len(set(forces)) == 1
     element.restore(saved)
@@ -259,21 +259,21 @@ def test_an_element_commits_goes_back_and_is_copied() -> None:
 def test_a_reversal_of_1_mm_at_100_mm(ambient: float, published: float, measured: Recorder) -> None:
     """Force at 102 mm: published a quarter less than without a reversal, closed the same."""
     paths = {"without": range(2, 103), "with": [*range(2, 101), 99, 100, 101, 102]}
-    found = {}
+    result = {}
     for law in ("published", "closed"):
         for path, places in paths.items():
             element = tb.element("shen-hdr-bridge", ambient, model=tb.ModelOptions(small_loops=law))
             for x in places:
                 force = element.set_trial(float(x), 0.01).force
                 element.commit()
-            found[law, path] = force
-    assert found["published", "with"] == pytest.approx(published, abs=1.0)
-    share = found["closed", "with"] / found["closed", "without"]
+            result[law, path] = force
+    assert result["published", "with"] == pytest.approx(published, abs=1.0)
+    share = result["closed", "with"] / result["closed", "without"]
     measured(
         f"force at 102 mm after a reversal of 1 mm, closed, {ambient:g} degC", share, "1 +- 0.002"
     )
     assert share == pytest.approx(1.0, abs=2e-3)  # a little heat
-    assert found["published", "with"] < 0.8 * found["published", "without"]
+    assert result["published", "with"] < 0.8 * result["published", "without"]
 
 
 STEPS = [
@@ -357,6 +357,6 @@ def test_a_fit_with_closed_loops_recovers_them() -> None:
     free = ["K_r", "d_y", "s"]
     fits = [tb.identify_bearing(record, one, free=free, starts=1) for one in (bearing, HDR)]
     assert fits[0].bearing.hysteresis.small_loops == "closed"
-    found = [fit.bearing.hysteresis.shape for fit in fits]
-    assert found[0] == pytest.approx(bearing.hysteresis.shape, abs=0.01)
-    assert abs(found[1] - bearing.hysteresis.shape) > 0.01
+    result = [fit.bearing.hysteresis.shape for fit in fits]
+    assert result[0] == pytest.approx(bearing.hysteresis.shape, abs=0.01)
+    assert abs(result[1] - bearing.hysteresis.shape) > 0.01

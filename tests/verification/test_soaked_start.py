@@ -52,8 +52,8 @@ def test_series_of_a_slab_with_order_two(measured: Recorder) -> None:
         bearing = slab(rubber=RUBBER, steel=RUBBER, side_film=0.0, cells=cells)
         exact = exact_slab(bearing, -20.0, SLAB_HOURS, SLAB_FILM)
         assert exact.max() - exact.min() > 5.0
-        found = soaked_start(bearing, asked, -20.0).temperature
-        errors.append(float(np.abs(found - exact).max()))
+        result = soaked_start(bearing, asked, -20.0).temperature
+        errors.append(float(np.abs(result - exact).max()))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     measured("soaked start, series of a slab: observed order in space", f"{orders[0]:.2f}", "2")
     measured("soaked start, series of a slab: largest error [K]", errors[-1], f"{tol.SOAKED:g}")

@@ -39,8 +39,8 @@ def test_branches_of_the_standard_spectra(kind: str, ground: str) -> None:
         (second, plateau),
         (2.5, fall * 2.5**down),
     ):
-        found = standard_spectrum(kind, ground, [period])
-        assert_allclose(found, 10.0 * gal, rtol=1e-12)
+        result = standard_spectrum(kind, ground, [period])
+        assert_allclose(result, 10.0 * gal, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("kind", "ground"), TABLE)

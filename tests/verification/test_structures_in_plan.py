@@ -64,8 +64,8 @@ def test_modes_of_an_eccentric_deck(reference: float, measured: Recorder) -> Non
     root = np.hypot(sideways - twist, 2.0 * sideways * ECCENTRICITY / np.sqrt(inertia / mass))
     squares = np.sort([sideways, *(0.5 * (sideways + twist + sign * root) for sign in (-1, 1))])
     result = examine_structure(eccentric_deck(reference))
-    found = result.prepared.modes.frequencies
-    worst = float(np.abs(found / np.sqrt(squares) - 1.0).max())
+    actual = result.prepared.modes.frequencies
+    worst = float(np.abs(actual / np.sqrt(squares) - 1.0).max())
     if reference:
         measured("modes of an eccentric deck, error of w", f"{worst:.1e}", f"{tol.LOOP:g}")
     assert worst < tol.LOOP
@@ -203,8 +203,8 @@ def test_a_symmetric_structure_has_the_modes_of_one_direction() -> None:
         alone = prepare_structure(along(plan, way))
         assert alone.matrices.coordinates == line.matrices.coordinates
         for name in ("mass", "load", "springs", "hinge_rows", "line_rows", "device_rows"):
-            found, wanted = (getattr(one.matrices, name) for one in (alone, line))
-            assert np.array_equal(found, wanted)
+            result, wanted = (getattr(one.matrices, name) for one in (alone, line))
+            assert np.array_equal(result, wanted)
 
 
 def test_across_the_bridge_the_force_acts_higher() -> None:
@@ -224,7 +224,7 @@ def test_across_the_bridge_the_force_acts_higher() -> None:
 
 
 @pytest.mark.parametrize(
-    ("part", "changes", "said"),
+    ("part", "changes", "message"),
     [
         ("", {"plan": False}, "bearings[0].y: for a structure in plan; add plan"),
         (
@@ -239,7 +239,7 @@ def test_across_the_bridge_the_force_acts_higher() -> None:
         ("bodies", {"x": 5.0}, 'write "5.0 mm"'),
     ],
 )
-def test_bad_plans_are_refused(part: str, changes: dict[str, Any], said: str) -> None:
+def test_bad_plans_are_refused(part: str, changes: dict[str, Any], message: str) -> None:
     spring = {"name": "a", "body": "deck", "stiffness": "1 kN/mm", "x": "1 m", "y": "1 m"}
     table = to_table(eccentric_deck()) | {"springs": [spring]}
     if part:
@@ -248,7 +248,7 @@ def test_bad_plans_are_refused(part: str, changes: dict[str, Any], said: str) ->
         table |= changes
     with pytest.raises(InputError) as error:
         prepare_structure(validated(Structure, table, "test"))
-    assert said in str(error.value)
+    assert message in str(error.value)
 
 
 def test_a_mechanism_names_what_meets_no_stiffness() -> None:
@@ -289,11 +289,11 @@ def test_the_bridge_in_plan_moves_like_pier_p1(measured: Recorder) -> None:
     _, all_piers = shaken(alone, constants, ground, 0.005)
     worst = 0.0
     for k in range(len(lines)):
-        for found, wanted in (
+        for result, wanted in (
             (all_piers.bearing(k)["force"], one.bearing()["force"]),
             (all_piers.hinge(k)["rotation"], one.hinge()["rotation"]),
         ):
-            worst = max(worst, float(np.abs(found - wanted).max() / np.abs(wanted).max()))
+            worst = max(worst, float(np.abs(result - wanted).max() / np.abs(wanted).max()))
     measured(
         "piers of the bridge in plan and pier P1, without abutments",
         f"{worst:.1e}",

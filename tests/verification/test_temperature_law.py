@@ -46,11 +46,11 @@ def test_a_table_of_the_exponential_law_is_that_law(temperature: float) -> None:
     warmer = (np.array(list(MEASURED)) - h.reference_temperature) / 100.0
     elastic = np.exp(h.elastic_temperature_coefficient * warmer)
     hysteretic = np.exp(h.hysteretic_temperature_coefficient * warmer)
-    found = cycles(tabled_bearing(elastic, hysteretic), temperature)
+    result = cycles(tabled_bearing(elastic, hysteretic), temperature)
     wanted = cycles(specimen(), temperature)
     force = wanted.response["force"]
     atol = ISOTHERMAL_FORCE * np.abs(force).max()
-    assert_allclose(found.response["force"], force, rtol=0.0, atol=atol)
+    assert_allclose(result.response["force"], force, rtol=0.0, atol=atol)
 
 
 def test_table_is_met_and_monotone_and_smooth_between() -> None:
@@ -74,12 +74,12 @@ def test_stiffness_is_that_of_the_table() -> None:
     """At one temperature: the bearing whose K_r is multiplied by the factor, to rounding."""
     at, factor = 40.0, MEASURED[40]
     # Heat that no temperature feels: the first steps, before the rubber warms.
-    found = cycles(tabled_bearing(MEASURED.values(), MEASURED.values()), at)
+    result = cycles(tabled_bearing(MEASURED.values(), MEASURED.values()), at)
     h = specimen().hysteresis
     softer = changed(
         specimen(), hysteresis=NO_EXPONENTS | {"layer_stiffness": factor * h.layer_stiffness}
     )
-    assert_allclose(found.response["force"][0], cycles(softer, at).response["force"][0], rtol=LOOP)
+    assert_allclose(result.response["force"][0], cycles(softer, at).response["force"][0], rtol=LOOP)
 
 
 def test_the_exponential_law_is_too_soft_when_warm(measured: Recorder) -> None:
@@ -173,7 +173,7 @@ def test_parameters_of_a_fit_leave_the_table_alone() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("given", "message"),
     [
         ({"coldest": 0.0}, "give both coldest and warmest"),
         ({"coldest": 10.0, "warmest": 0.0}, "coldest must be below warmest"),
@@ -185,8 +185,8 @@ def test_parameters_of_a_fit_leave_the_table_alone() -> None:
         ({"temperatures": [0.0, 1.0], "elastic": [1.0, 0.0], "hysteretic": [1.0, 1.0]}, "0.001"),
     ],
 )
-def test_a_broken_law_is_reported(given: dict[str, Any], said: str) -> None:
-    with pytest.raises(tb.InputError, match=said):
+def test_a_broken_law_is_reported(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(tb.InputError, match=message):
         TemperatureLaw(**given)
 
 
@@ -199,14 +199,14 @@ def test_extrapolation_is_said() -> None:
     """Colder than the tests; warmer, since the rubber heats up; and nothing in between."""
     test = tb.cyclic_test(strain=[1.75], cycles=3)
     cold = tb.run("shen-hdr-specimen", test, [-30.0, 0.0])
-    (said,) = of_the_law(cold.warnings)
-    assert "reaches -30.0 degC, 10 K below the range of the temperature law, -20 to 34" in said
-    assert "in 1 of 2 runs; longest in the run at -30 degC" in said
+    (output,) = of_the_law(cold.warnings)
+    assert "reaches -30.0 degC, 10 K below the range of the temperature law, -20 to 34" in output
+    assert "in 1 of 2 runs; longest in the run at -30 degC" in output
     assert cold.summary()["warnings"] == cold.warnings
     layers, time = cold["rubber_temperature"].values[0], cold.time(0)
     outside = np.diff(time, prepend=time[0])[(layers < -22.0).any(axis=1)].sum()
-    assert f"({outside:.3g} s; " in said
-    assert "above" not in said
+    assert f"({outside:.3g} s; " in output
+    assert "above" not in output
     assert of_the_law(tb.run("shen-hdr-specimen", test, [-20.0, 0.0]).warnings) == []
     blind = tb.run("shen-hdr-specimen", test, -30.0, model="temperature-blind")
     assert of_the_law(blind.warnings) == []

@@ -93,12 +93,12 @@ def test_faces_held_at_the_air_are_three_times_too_fast(measured: Recorder) -> N
         bearing = select_bearing(name)
         hours = np.arange(0.5, 9.0, 0.5)
         held = make_earthquake_case({"command": "bridge", "bearings": [bearing]}, "test")
-        found = [
+        result = [
             time_at_level(hours, cooling(device, hours), np.exp(-1.0))
             for device in (build_device(held, bearing), in_the_weather(bearing))
         ]
-        assert found[1] / found[0] > least
-        text = f"{found[0]:.1f} h, {found[1]:.1f} h"
+        assert result[1] / result[0] > least
+        text = f"{result[0]:.1f} h, {result[1]:.1f} h"
         measured(
             f"Weather, {name}: rubber to 1/e, faces held at the air and films", text, "reported"
         )
@@ -124,19 +124,19 @@ def test_rest_of_lead_in_touch_is_one_whatever_its_pieces(measured: Recorder) ->
     model = build_model(bearing, ModelOptions())
     rubber = model.stack.thickness * np.array([part == "rubber" for part in model.stack.part])
     ends = [rest(model.constants, 6.0, pieces).state for pieces in (1, 360)]
-    found = [float(end.temperature @ rubber / rubber.sum()) for end in ends]
+    result = [float(end.temperature @ rubber / rubber.sum()) for end in ends]
     lead = [float(end.branches["lead_temperature"][0]) for end in ends]
-    assert abs(found[0] - found[1]) < tol.REST_OF_LEAD
+    assert abs(result[0] - result[1]) < tol.REST_OF_LEAD
     assert abs(lead[0] - lead[1]) < tol.REST_OF_LEAD
     problem = weather_problem(bearing, bearing.materials.side_film, 0.0)
     problem = replace(problem, face_film=bearing_problem(bearing).face_film)
     elements = FiniteElements(problem)
     history = elements.march([(300.0, 72)], start=np.ones(elements.basis.N))
     fine = float(mean_rubber(problem, history)[-1])
-    assert abs(found[0] - fine) < tol.REST_OF_LEAD_ELEMENTS
+    assert abs(result[0] - fine) < tol.REST_OF_LEAD_ELEMENTS
     measured(
         "lrb-example, rest of 6 h: share of the difference left, one rest, 360, finite elements",
-        f"{found[0]:.3f}, {found[1]:.3f}, {fine:.3f}",
+        f"{result[0]:.3f}, {result[1]:.3f}, {fine:.3f}",
         f"{tol.REST_OF_LEAD:g}, {tol.REST_OF_LEAD_ELEMENTS:g}",
     )
 
