@@ -77,7 +77,7 @@ def native_call(kernel: str) -> Call:
 
 @np.errstate(all="ignore")  # arrays that nothing writes may hold anything
 def check(image: Image, expected: dict[str, np.ndarray], file: Path) -> None:
-    after = image.arrays(Path(f"{file}.after").read_bytes())
+    after = image.contents(Path(f"{file}.after").read_bytes())
     assert after.keys() == expected.keys()
     np.testing.assert_array_equal(after["results"][:2], expected["results"][:2])
     changed = 0
