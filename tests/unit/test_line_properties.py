@@ -38,6 +38,7 @@ from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.constants import softening_beyond_tests
 from thermobearing.model.earlier import BilinearParameters
+from thermobearing.quantities.words import plain
 from thermobearing.structure.matrices import (
     Matrices,
     build_matrices,
@@ -70,7 +71,7 @@ def _links(result: EarthquakeResult, lines: pd.DataFrame) -> str:
 
 
 def test_an_assumed_initial_stiffness_is_stated_beside_the_number(pier: EarthquakeResult) -> None:
-    table = line_properties(pier)
+    table = line_properties(pier).assign(beyond_tests="", assumed="")  # K_1 alone is marked
     assert set(table.loc[table["bearing"] == HDR, "kind"]) == {"HDR"}
     ratio = post_yield_ratio("HDR")
     note = initial_stiffness_note(table)
@@ -480,7 +481,7 @@ def test_links_have_metres_and_the_yield_strength(pier: EarthquakeResult) -> Non
     blocks = text.split("\n\n")[1:]
     assert len(blocks) == len(lines)
     for block, row in zip(blocks, lines.to_dict("records"), strict=True):
-        values = dict(re.findall(r"^  (\S.*?\S) {2,}(\S+)", block, re.MULTILINE))
+        values = dict(re.findall(r"^  (\S.*?\S)(?: \(assumed\))? {2,}(\S+)", block, re.M))
         share = row["K_d_kN_mm"] / row["K_1_kN_mm"]
         assert_allclose(float(values["effective stiffness"]), 1e3 * row["K_eff_kN_mm"], rtol=1e-4)
         assert_allclose(float(values["yield strength"]) * (1.0 - share), row["Q_d_kN"], rtol=1e-4)
@@ -550,13 +551,48 @@ def test_temperatures_outside_the_law_of_the_rubber_are_marked(
     """10 K below the law: in links.txt, in the column `assumed` and in the table of the report."""
     result = cold_states["scragged"]
     lines = line_properties(result).set_index("ambient_degC")
-    assert lines["assumed"].to_dict() == {23.0: "", COLDER: "temperature_law"}
+    assert {key: text.split()[0] for key, text in lines["assumed"].items()} == {
+        23.0: "tested_range.strain",  # of 6 s of a motion, below the 50 % of the tests
+        COLDER: "temperature_law",
+    }
     assert lines["outside_law_K"].to_dict() == {23.0: 0.0, COLDER: -10.0}
+    lines = lines.assign(beyond_tests="")
+    lines["assumed"] = lines["assumed"].str.replace("tested_range.strain", "")
     warm, cold = _links(result, lines.reset_index()).split("\n\n")[1:]
     for words in ("effective stiffness", "effective damping ratio", "yield strength"):
         assert (f"{words} (assumed)" in warm, f"{words} (assumed)" in cold) == (False, True)
     assert "10 K below" in cold
-    assert _marked_rows(result) == {1, 2}  # scragged and virgin in the cold
+    assert _marked_rows(result) == {0, 1, 2}  # scragged, and scragged and virgin in the cold
+
+
+@pytest.mark.parametrize(
+    ("tested", "key", "words"),
+    [
+        ({"ambient": [0.0, 23.0]}, "", ""),
+        ({"strain": [0.01, 0.05]}, "tested_range.strain", "above the 5 % tested"),
+        ({"strain": [2.0, 3.0]}, "tested_range.strain", "below the 200 % tested"),
+        ({"ambient": [25.5, 30.0]}, "tested_range.ambient", "below the 25.5 degC tested"),
+    ],
+)
+def test_properties_outside_the_tests_are_marked(
+    tested: dict[str, list[float]], key: str, words: str
+) -> None:
+    """At 23 degC: in the table of the report, in links.txt and in properties.csv."""
+    device = tb.changed_bearing(HDR, tested_range={"strain": [0.01, 3.0]} | tested)
+    result = tb.bridge(device, "jra-ii-i-1", 23, duration=3)
+    (row,) = line_properties(result).to_dict("records")
+    assert row["assumed"] == key
+    assert words in row["beyond_tests"]
+    text = " ".join(_links(result, line_properties(result)).split())
+    assert words in text
+    for name in ("effective stiffness", "effective damping ratio", "yield strength"):
+        assert (f"{name} (assumed)" in text) == bool(key)
+    pieces = build_pieces(result)
+    marked = {row for row, _ in pieces.tables["properties"].marked}
+    assert len(marked) == 1 + bool(key)  # the excess of the virgin row is assumed
+    assert plain(words) in pieces.tables["properties"].note
+    content = pieces.files["properties.csv"]
+    assert key in (content if isinstance(content, str) else content.decode())
 
 
 def test_assumed_excess_of_virgin_rubber_is_marked(
@@ -564,15 +600,18 @@ def test_assumed_excess_of_virgin_rubber_is_marked(
 ) -> None:
     result = cold_states["virgin"]
     lines = line_properties(result)
-    assert lines["assumed"].tolist() == ["scragging", "scragging temperature_law"]
+    assert [text.rpartition(" ")[0] for text in lines["assumed"]] == [
+        "scragging",
+        "scragging temperature_law",
+    ]
     text = _links(result, lines)
     assert text.count("effective stiffness (assumed)") == len(lines)
     assert "--state tested" in text
     assert "vertical stiffness (assumed)" not in text  # that of scragged rubber
-    assert _marked_rows(result) == {0, 1}
+    assert _marked_rows(result) == {0, 1, 2}
     stated = tb.changed_bearing(HDR, scragging={"amplitude": 0.2})
     result = tb.bridge(stated, "jra-ii-i-1", 23, duration=3)
-    assert line_properties(result)["assumed"].tolist() == [""]
+    assert "scragging" not in line_properties(result)["assumed"].iloc[0]
     # Natural rubber is as stiff while virgin: nothing of it is assumed.
     natural = line_properties(
         tb.bridge("lrb-example", "jra-ii-i-1", 20, duration=3, state="virgin")

@@ -17,6 +17,10 @@ COEFFICIENTS = (  # with temperature: m_T and n_T
 STIFFNESS = ("hysteresis.layer_stiffness", "lead.stiffness")
 STRENGTH = ("lead.yield_stress",)
 EXTRAPOLATED = "temperature_law"  # key of a law that a temperature is outside of
+UNTESTED_VALUES = {  # of `compare_with_tests`: key of a tested range that a value is outside of
+    "strain": "tested_range.strain",
+    "ambient": "tested_range.ambient",
+}
 LEAD_EXTRAPOLATED = "lead.softening"  # key of E_2 where lead is colder than in its tests
 VIRGIN_EXCESS = "scragging"  # key of the excess of virgin rubber, if of another compound
 

@@ -299,22 +299,32 @@ def outside_tests(
         return [Warned(sentence, NO_RANGE, UNTESTED, name)]
     runs = len({row["run"] for row in rows})
     warnings: list[Warned] = []
-    ends = (("above", "largest", 1.0), ("below", "lowest", -1.0))
-    for limit, (side, end, sign) in product([n for n in TESTED if n not in skip], ends):
-        _, title, factor, unit = TESTED[limit]
+    ends = (("largest", 1.0), ("lowest", -1.0))
+    for limit, (end, sign) in product([n for n in TESTED if n not in skip], ends):
         passed = [row for row in rows if row["limit"] == limit and row["outside"]]
         if out := [row for row in passed if sign * (row["demand"] - row[end]) > 0]:
             worst = out[place_of_largest([sign * row["demand"] for row in out])]
             where = str(worst["run"]).removeprefix(f"{name}, ")
             place = place_words(len(out), runs, where)
-            text = (
-                f"{title} {factor * worst['demand']:.3g}{unit}, {side} the "
-                f"{factor * worst[end]:.3g}{unit} tested ({place})"
-            )
+            text = f"{beyond_words(worst)} ({place})"
             # Bounded: no uncertainty makes a warning of the range one of an exceeded limit.
             effect = UNTESTED + min(extrapolation([worst]), 0.99)
             warnings.append(Warned(text, f"{BEYOND_TESTS}.{limit}", effect, name))
     return sorted(warnings, key=lambda warning: -warning.effect)
+
+
+def beyond_words(row: Mapping[Any, Any]) -> str:
+    """Return by how much a row of `compare_with_tests` is outside the tests, in words.
+
+    >>> beyond_words({"limit": "strain", "demand": 3.17, "lowest": 0.5, "largest": 2.5})
+    'strain 317 %, above the 250 % tested'
+    """
+    _, title, factor, unit = TESTED[row["limit"]]
+    side, end = ("above", "largest") if row["demand"] > row["largest"] else ("below", "lowest")
+    return (
+        f"{title} {factor * row['demand']:.3g}{unit}, {side} the "
+        f"{factor * row[end]:.3g}{unit} tested"
+    )
 
 
 def runs_of(rows: Iterable[Mapping[Any, Any]]) -> set[str]:

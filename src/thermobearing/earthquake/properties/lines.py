@@ -21,6 +21,7 @@ from thermobearing.bearing.model import Bearing, calibration_ranges
 from thermobearing.bearing.sources import (
     EXTRAPOLATED,
     LEAD_EXTRAPOLATED,
+    UNTESTED_VALUES,
     VIRGIN_EXCESS,
     assumed_properties,
 )
@@ -51,6 +52,7 @@ from thermobearing.model.options import ModelOptions, build_model
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
 from thermobearing.quantities.words import counted
 from thermobearing.results.metrics import THIRD_CYCLE, CycleMeasures
+from thermobearing.results.ranges import OUTSIDE, beyond_words, compare_with_tests
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
@@ -139,7 +141,8 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         the analysis. `cycle` is the third; the first at the coldest temperature of rubber with
         virgin excess, whose state is `rubber`. `over_scragged` is K_eff over that of the third
         cycle of scragged rubber, `excess` whether the rubber is stiffer while virgin, and `assumed`
-        the keys of the bearing file on which the properties rest and which were not measured;
+        the keys of the bearing file on which the properties rest and which were not measured, or
+        whose range of tests they are outside of, as `beyond_tests` says in words;
         `outside_law_K` is how far the temperature is above (or, negative, below) the range `law` of
         the temperature law of the rubber [degC]. `K_eff_heated_kN_mm`, `h_eff_heated` and
         `Q_d_heated_kN` are those with the lead at its highest temperature in the runs, `lead_degC`.
@@ -183,10 +186,15 @@ def line_properties(result: "EarthquakeResult") -> "pd.DataFrame":
         if excess and rubber != SCRAGGED and isinstance(as_in_file, Bearing):
             assumed += [VIRGIN_EXCESS] * scragging_of(as_in_file)[1]
         assumed += [EXTRAPOLATED] * (outside != 0.0)
+        beyond = _beyond_tests(device, displacement, temperature)
+        if outside != 0.0:  # said of the law, in more detail
+            beyond.pop("ambient", None)
+        assumed += [UNTESTED_VALUES[limit] for limit in beyond]
         cold_lead = _cold_lead(device, temperature)
         assumed += [LEAD_EXTRAPOLATED] * bool(cold_lead)
         origin: dict[str, Any] = {"rubber": rubber, "excess": excess, "assumed": " ".join(assumed)}
         origin |= {"law": law, "outside_law_K": outside, "cold_lead": cold_lead}
+        origin["beyond_tests"] = "; ".join(beyond.values())
         origin["has_lead"] = isinstance(device, Bearing) and device.lead is not None
         rows.append(labels | line | values | origin | _largest_secant(group))
     return _with_one_ratio(pd.DataFrame(rows))
@@ -211,6 +219,22 @@ def _beyond_law(device: Bearing | BilinearBearing, temperature: float) -> tuple[
     low, high = law.range
     beyond = min(temperature - low, 0.0) + max(temperature - high, 0.0)
     return f"{low:g} to {high:g} degC", beyond if abs(beyond) > SLACK_KELVIN else 0.0
+
+
+def _beyond_tests(
+    device: Bearing | BilinearBearing, displacement: float, temperature: float
+) -> dict[str, str]:
+    """Return which of strain and ambient temperature are outside the tests of a bearing, in words.
+
+    At a displacement [mm] and a temperature [degC]. Its strain rate does not count: earthquakes are
+    faster than tests (`rate_note`).
+    """
+    reached: dict[str, float | tuple[float, float]] = {
+        "strain": displacement / device.total_rubber_thickness,
+        "ambient": (temperature, temperature),
+    }
+    rows = compare_with_tests(device.name, reached, calibration_ranges(device))
+    return {str(row["limit"]): beyond_words(row) for row in rows if row[OUTSIDE]}
 
 
 def _cold_lead(device: Bearing | BilinearBearing, temperature: float) -> str:

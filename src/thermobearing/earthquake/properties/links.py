@@ -30,6 +30,7 @@ from thermobearing.earthquake.properties.notes import (
     is_upper,
     left_out_note,
     secant_note,
+    untested_note,
     with_bounds,
 )
 from thermobearing.earthquake.properties.peaks import (
@@ -59,7 +60,7 @@ LINK_NOTES = (
     "bounds.csv of lambda has other loops: of one bearing at the strain of a test, its softest "
     "heated and its stiffest first cycle; these links are of the displacements of the bridge.",
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured, or on a "
-    "temperature outside the tests of the rubber.",
+    "strain or temperature outside the tests of the bearing.",
 )
 DEVICES_NOTE = (
     "Devices parallel to bearings, one of each, in kN, m and s. Damper: link Damper - Exponential "
@@ -119,6 +120,7 @@ def link_text(
             elastic_note(row),
             cycle_note(row),
             assumed,
+            untested_note(row),
             beyond_note(row),
             excess_note(row),
         ]

@@ -13,6 +13,7 @@ from thermobearing.bearing.sources import (
     COEFFICIENTS,
     EXTRAPOLATED,
     LEAD_EXTRAPOLATED,
+    UNTESTED_VALUES,
     VIRGIN_EXCESS,
     assumed_clause,
 )
@@ -273,6 +274,11 @@ def beyond_note(row: Mapping[Any, Any]) -> str:
     return f"ambient {abs(beyond):.3g} K {side} the temperature law of the rubber, {row['law']}"
 
 
+def untested_note(row: Mapping[Any, Any]) -> str:
+    """Return how the strain or temperature of a line is outside the tests of its bearing."""
+    return str(row["beyond_tests"])
+
+
 def excess_note(row: Mapping[Any, Any]) -> str:
     """Return that the excess stiffness of rubber is that of another compound; else empty."""
     if VIRGIN_EXCESS not in row["assumed"].split():
@@ -281,8 +287,8 @@ def excess_note(row: Mapping[Any, Any]) -> str:
 
 
 def is_extrapolated(row: Mapping[Any, Any]) -> bool:
-    """Return whether temperature or state of the rubber of a line are outside its tests."""
-    return bool(beyond_note(row) or excess_note(row))
+    """Return whether strain, temperature or state of the rubber of a line are outside its tests."""
+    return bool(untested_note(row) or beyond_note(row) or excess_note(row))
 
 
 def secant_note(row: Mapping[Any, Any]) -> str:
@@ -298,5 +304,5 @@ def secant_note(row: Mapping[Any, Any]) -> str:
 
 def assumed_in_file(row: Mapping[Any, Any]) -> list[str]:
     """Return the keys of the bearing file whose numbers a line rests on and were not measured."""
-    in_notes = (EXTRAPOLATED, VIRGIN_EXCESS, LEAD_EXTRAPOLATED)
+    in_notes = (EXTRAPOLATED, VIRGIN_EXCESS, LEAD_EXTRAPOLATED, *UNTESTED_VALUES.values())
     return [key for key in row["assumed"].split() if key not in in_notes]

@@ -31,6 +31,7 @@ from thermobearing.earthquake.properties.notes import (
     left_out_note,
     loop_name,
     place_names,
+    untested_note,
     with_bounds,
 )
 from thermobearing.earthquake.properties.peaks import PEAKS, Settled
@@ -57,7 +58,7 @@ COLD_LEAD = "The strength of cold lead is extrapolated"
 HEATED = "Lead is warmer in the runs"
 SHOWN_MODES = 10  # of a report; a file has them all
 RESERVATIONS: Final = (  # begin of a sentence, and what describes a row in it
-    (MARKED, (beyond_note, excess_note)),
+    (MARKED, (untested_note, beyond_note, excess_note)),
     (COLD_LEAD, (cold_lead_note,)),
     (HEATED, (heated_lead_note,)),
 )
@@ -89,6 +90,7 @@ def property_tables(
             "excess",
             "has_lead",
             "law",
+            "beyond_tests",
             "cold_lead",
             "secant_kN_mm",
             "secant_of",
