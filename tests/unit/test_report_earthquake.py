@@ -25,7 +25,8 @@ from thermobearing.earthquake.tables import console_tables, structure_balance
 from thermobearing.motions.library import load_motion, save_motion
 from thermobearing.motions.targets import load_spectrum
 from thermobearing.quantities.governing import place_of_largest
-from thermobearing.report.pieces import EXCEEDED, PASSED, Pieces, calibration_table
+from thermobearing.report.content import limit_checks, summarize_checks
+from thermobearing.report.pieces import EXCEEDED, PASSED, Check, Pieces, calibration_table
 from thermobearing.report.template import _arranged
 from thermobearing.results import drawing
 from thermobearing.results.ranges import runs_of
@@ -92,6 +93,17 @@ def test_cold(study: EarthquakeResult, pieces: Pieces) -> None:
     assert "−20 °C" in table.caption
 
 
+def test_both_ends_of_a_range_are_one_quantity() -> None:
+    """Runs below and above the tested strains: one quantity, and two rows of what is outside."""
+    row = {"limit": "strain", "unit": "1", "lowest": 0.5, "largest": 2.5, "outside": True}
+    rows = [row | {"run": f"b, {k}", "demand": d} for k, d in enumerate((0.3, 3.0))]
+    checks = limit_checks(rows, {"strain": "shear strain"}, "calibration range", ["b"])
+    checks.append(Check("stress", 1.0, 2.0, "MPa", "code", PASSED))
+    text = summarize_checks(checks, "5 of 7 runs")
+    assert [int(number) for number in re.findall(r"\d+", text)] == [1, 2, 5, 7, 1]
+    assert len(calibration_table(checks).rows) == 2
+
+
 def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
     reported = {check.what.split(" (")[0]: check for check in pieces.checks}
     limits = [check for check in pieces.checks if not check.of_tests]
@@ -101,9 +113,13 @@ def test_checks_and_validity(study: EarthquakeResult, pieces: Pieces) -> None:
     runs = set().union(*(check.runs for check in outside))
     assert runs <= set(study.run_names)
     # The others are rows of the table of limits, which has none of the calibration range.
-    counts = [len(outside), len(runs), len(limits)]
+    rates = study.tested_range.query("limit == 'strain_rate'")
+    fast = sum(rates["outside"])
+    assert 0 < fast <= len(rates)
+    counts = [len({check.limited for check in outside}), len(runs), fast, len(rates), len(limits)]
     assert [int(n) for n in re.findall(r"\d+", pieces.answer[-1])] == counts
     assert limits
+    assert f" {fast} of {len(rates)} runs" in pieces.tables["peaks"].note
     table = calibration_table(pieces.checks)
     shares = [check.outside_by / abs(check.limit) for check in outside]
     assert len(table.rows) == len(outside)

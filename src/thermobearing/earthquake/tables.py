@@ -26,7 +26,7 @@ from thermobearing.quantities.words import joined, part_label
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.directory import LINES
 from thermobearing.results.metrics import BALANCE
-from thermobearing.results.ranges import TESTED
+from thermobearing.results.ranges import TESTED, rate_clause
 
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
@@ -269,8 +269,7 @@ def _peaks_table(
     if frame["lead_max_degC"].notna().any():
         columns["lead_temperature"] = "lead_max_degC"
     marked = {name: [limit in passed for passed in limits] for limit, name in columns.items()}
-    # What has no column of its own marks the motion. The strain rate does not: earthquakes are
-    # faster than tests, and a note on the rate states it once for all runs.
+    # What has no column of its own marks the motion; the strain rate does not, as the note says.
     other_limits = {limit for passed in limits for limit in passed} - {*columns, "strain_rate"}
     marked["motion"] = [bool(other_limits.intersection(passed)) for passed in limits]
     elsewhere = measures.strained_elsewhere(result)
@@ -284,9 +283,10 @@ def _peaks_table(
     if any(any(flags) for flags in marked.values()):
         of_motion = f" (a marked motion: {', '.join(causes)})" if causes else ""
         other = "Other marked" if VALID_UNTIL in frame else "Marked"
+        rates = rate_clause(measures.tested_rows(result))
+        of_motion += f"; {rates}, are not marked" if rates else ""
         sentences.append(f"{other} values are outside the calibration range{of_motion}.")
-    specimen = result.dataset.attrs.get("specimen", "")
-    at_specimen = f", specimen at {specimen}" if specimen else ""
+    at_specimen = f", specimen at {text}" if (text := result.dataset.attrs.get("specimen")) else ""
     table = make_table(
         frame,
         [*keys, *names, *place_columns, *ended],

@@ -46,6 +46,7 @@ from thermobearing.results.ranges import (
     SLACK,
     TESTED,
     parted,
+    rate_clause,
     rate_note,
     ring_note,
     runs_of,
@@ -91,9 +92,11 @@ def build_pieces(
     of_range, other_warnings = parted(dict.fromkeys(warnings))
     unstated = [text for text in of_range if NOT_GIVEN in text]
     beyond = [*(tidy(text) for text in of_range if text not in unstated), *validity]
+    rate_rows = list(rate_rows)
     rate, ring = rate_note(rate_rows), ring_note(lead_rise)
+    uncounted = rate_clause(rate_rows)
     quality, residual_warnings = _quality_table(residuals)
-    verdict = [_verdict(checks, beyond, unstated, rate)] if judged else []
+    verdict = [_verdict(checks, beyond, unstated, uncounted)] if judged else []
     parts.setdefault("signatures", SIGNED)
     return Pieces(
         command=command,
@@ -102,6 +105,7 @@ def build_pieces(
         answer=[*answer, *verdict],
         tables={**(tables or {}), **({"quality": quality} if len(quality) else {})},
         checks=checks,
+        uncounted=uncounted,
         validity=beyond,
         validity_unknown=" ".join(map(tidy, unstated)),
         notes=[tidy(f"{note[:1].upper()}{note[1:]}") for note in (rate, ring) if note],
@@ -221,7 +225,7 @@ def _check(
     label = f"{name} ({plain(str(row['run']).removeprefix(f'{bearing}, '))})"
     verdict = EXCEEDED if passed else PASSED
     check = Check(label, factor * value, factor * limit, unit, source, verdict, lower)
-    return replace(check, runs=frozenset(runs))
+    return replace(check, runs=frozenset(runs), limited=name)
 
 
 def _quality_table(rows: Iterable[tuple[str, float, float, str]]) -> tuple[Table, list[str]]:
@@ -253,21 +257,21 @@ def _quantities(count: int) -> str:
     return "1 quantity" if count == 1 else f"{count} quantities"
 
 
-def summarize_checks(checks: Sequence[Check]) -> str:
+def summarize_checks(checks: Sequence[Check], uncounted: str = "") -> str:
     """Return how many checks fail, lie outside the calibration range, or lack limit or value.
 
-    A quantity outside the range is one check; the runs are those that leave it in any quantity.
+    A quantity of a bearing that is outside at both ends of its range counts once; the runs are
+    those that leave the range in any quantity. `uncounted` (`rate_clause`) is no such quantity.
     """
     engineering = [check for check in checks if not check.of_tests]
     if not engineering:
         return "No engineering limit was given."
-    exceeded, outside = (
-        sum(check.of_tests == of_tests and check.verdict == EXCEEDED for check in checks)
-        for of_tests in (False, True)
-    )
+    exceeded = sum(check.verdict == EXCEEDED for check in engineering)
     beyond = [check for check in checks if check.of_tests and check.verdict == EXCEEDED]
+    outside = len({check.limited or check.what for check in beyond})
     runs = frozenset[str]().union(*(check.runs for check in beyond))
     in_runs = f" in {counted(len(runs), 'run')}" if runs else ""
+    in_runs += f" (not counting {uncounted})" if uncounted else ""
     lacking = [check for check in engineering if check.without_limit]
     # As the sentence of `not_entered` counts them: a limit of several bearings is one to enter.
     limits, without = len({check.limited or check.what for check in lacking}), len(lacking)
@@ -294,14 +298,18 @@ def summarize_checks(checks: Sequence[Check]) -> str:
 
 
 def _verdict(
-    checks: Sequence[Check], beyond: Sequence[str], unstated: Sequence[str] = (), rate: str = ""
+    checks: Sequence[Check],
+    beyond: Sequence[str],
+    unstated: Sequence[str] = (),
+    uncounted: str = "",
 ) -> str:
     """Return the sentences on limits and validity, the last of an answer.
 
     `beyond` are the sentences on what lies outside a range, `unstated` those on bearings without
-    one: of these the validity is unknown, which counts as neither inside nor outside.
+    one: of these the validity is unknown, which counts as neither inside nor outside. `uncounted`
+    are strain rates above the tests (`rate_clause`).
     """
-    sentences = [summarize_checks(checks)]
+    sentences = [summarize_checks(checks, uncounted)]
     if beyond and OUTSIDE not in sentences[0]:
         sentences.append("Some results are outside the calibration range.")
     if unstated:
@@ -313,7 +321,7 @@ def _verdict(
             "results with it is unknown."
         )
     elif not beyond:
-        sentences.append(f"{'Except for strain rates, all' if rate else 'All'} {INSIDE}")
+        sentences.append(f"{'Except for strain rates, all' if uncounted else 'All'} {INSIDE}")
     return " ".join(sentences)
 
 

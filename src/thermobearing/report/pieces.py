@@ -290,6 +290,7 @@ class Pieces:
     were identified in, `validity_unknown` why there is no verdict on it, `notes` what is no
     warning. `energy` is the energy balance; `identity` has version, input hash and command;
     `range_action` is what to do about results outside the calibration range, in place of the usual;
+    `uncounted` is what the number of quantities outside it leaves out;
     `first_actions` are what to do before all that checks ask for;
     `live` computes the result again in an HTML page; `signatures` are the roles of those who sign,
     and `one_page` whether the document is to fit on one; `files` stand next to the document, by
@@ -316,6 +317,7 @@ class Pieces:
     one_page: bool = False
     files: Mapping[str, bytes] = field(default_factory=dict)
     range_action: str = ""
+    uncounted: str = ""
     first_actions: Sequence[str] = ()
 
 

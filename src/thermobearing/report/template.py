@@ -183,7 +183,7 @@ def _checks(pieces: Pieces) -> list[Block]:
     if not checks:
         return []
     limited = [check for check in checks if not check.without_limit]
-    blocks: list[Block] = [Paragraph(summarize_checks(pieces.checks))]
+    blocks: list[Block] = [Paragraph(summarize_checks(pieces.checks, pieces.uncounted))]
     if limited:
         blocks.append(TableBlock("checks", checks_table(limited, "Engineering limits")))
     # Checks without a limit have no verdict, and a sentence in place of rows.

@@ -21,6 +21,7 @@ from thermobearing.quantities.governing import (
     place_words,
 )
 from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE, UNTESTED, Warned
+from thermobearing.quantities.words import counted
 
 Ends = tuple[float, float]
 FloatsOrNumber = Floats | float
@@ -332,13 +333,30 @@ def runs_of(rows: Iterable[Mapping[Any, Any]]) -> set[str]:
     return {str(run) for row in rows for run in row.get("runs", [row["run"]])}
 
 
+def _rates(rows: Iterable[Mapping[Any, Any]]) -> tuple[list[Mapping[Any, Any]], ...]:
+    """Return the rows on strain rates: those above the tests, and all."""
+    rates = [row for row in rows if row["limit"] == "strain_rate"]
+    return [row for row in rates if row["outside"] and row["demand"] > row["largest"]], rates
+
+
+def rate_clause(rows: Iterable[Mapping[Any, Any]]) -> str:
+    """Return in how many runs strain rates are above those of the tests; empty if in none.
+
+    For sentences that count or mark what is outside the range, and leave strain rates out.
+    """
+    out, rates = _rates(rows)
+    if not out:
+        return ""
+    count = f"{len(runs_of(out))} of {counted(len(runs_of(rates)), 'run')}"
+    return f"strain rates, which are above those tested in {count}"
+
+
 def rate_note(rows: Iterable[Mapping[Any, Any]]) -> str:
     """Return a sentence on strain rates above those of the tests; empty if there are none.
 
     Most earthquakes exceed them, so this is a note and not a warning.
     """
-    rates = [row for row in rows if row["limit"] == "strain_rate"]
-    out = [row for row in rates if row["outside"] and row["demand"] > row["largest"]]
+    out, rates = _rates(rows)
     if not out:
         return ""
     worst = largest_by(out, lambda row: float(row["demand"] / row["largest"]))
