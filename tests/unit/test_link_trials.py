@@ -16,7 +16,7 @@ from thermobearing.border.schema import validated
 from thermobearing.earthquake.case import make_earthquake_case
 from thermobearing.earthquake.properties.lines import line_properties
 from thermobearing.earthquake.properties.links import trials_note
-from thermobearing.earthquake.properties.notes import SCRAGGED, with_bounds
+from thermobearing.earthquake.properties.notes import SCRAGGED, bounded_note, with_bounds
 from thermobearing.earthquake.properties.peaks import (
     PEAKS,
     TOLERANCE,
@@ -27,7 +27,7 @@ from thermobearing.earthquake.properties.peaks import (
     step_note,
     step_warning,
 )
-from thermobearing.earthquake.properties.trials import shortfall_note, try_links
+from thermobearing.earthquake.properties.trials import shortfall_note, try_links, upper_note
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.report.pieces import Pieces
@@ -269,3 +269,25 @@ def test_what_cannot_have_links_says_so() -> None:
         )
     bilinear = run_trials(tb.bridge("shen-bilinear-bridge", **short))
     assert (bilinear.runs, bilinear.reasons, trials_note(bilinear)) == (0, [], "")
+
+
+def test_notes_name_what_upper_values_do_not_bound() -> None:
+    """Upper values of virgin rubber with a smaller Q_d, and links with less force, than others."""
+    shared = {"bearing": "b", "line": "A1", "line_bearing": "b", "ambient_degC": -30.0}
+    shared |= {"K_1_kN_mm": 20.0, "lead": ""}
+    scragged = {"state": SCRAGGED, "rubber": SCRAGGED, "K_eff_kN_mm": 8.687, "Q_d_kN": 1471.3}
+    scragged |= {"K_d_kN_mm": 3.78, "bound": "", "force_links_kN": 2295.0}
+    virgin = {"state": "virgin", "rubber": "virgin", "K_eff_kN_mm": 11.857, "Q_d_kN": 1150.8}
+    virgin |= {"K_d_kN_mm": 7.33, "bound": "upper", "force_links_kN": 2139.0}
+    rows = pd.DataFrame([shared | scragged, shared | virgin])
+    rows = rows.assign(displacement_links_mm=[218.0, 135.0], pier_moment_links_kN_m=np.nan)
+    note = bounded_note(rows)
+    assert "Q_d of b 1150.8 kN, but 1471.3 kN of b at -30 degC, scragged)" in note
+    assert "K_eff of b" not in note
+    assert "force (A1: 2139 kN, with links of scragged rubber at -30 degC 2295 kN):" in (
+        upper_note(rows)
+    )
+    larger = rows.assign(Q_d_kN=1500.0, force_links_kN=2300.0)
+    assert "kN" not in bounded_note(larger)
+    assert upper_note(larger) == ""
+    assert bounded_note(rows[1:]) == ""  # nothing to compare it with

@@ -265,6 +265,11 @@ BOUNDS_NOTE = (
     "Each bound is a bilinear loop that matches peak force and energy of its cycle; its Q_d is "
     "therefore larger than that of the real loop, which the factors use"
 )
+INITIAL_NOTE = (
+    "K_1 is K_2 over a ratio that is usual for the kind of bearing, and not the initial stiffness "
+    "K_0 of the model, which links.txt of a bridge has as K_1 of a bearing of linear rubber with "
+    "lead"
+)
 VIRGIN_BOUND = (
     "The lower and the upper bound are of tested rubber. As a rule, that of virgin rubber "
     "governs forces and the lower one displacements"
@@ -340,6 +345,7 @@ def opensees_text(models: "pd.DataFrame", name: str, language: str) -> str:
         f"# {bearing_name}: bilinear bounds of ONE bearing, units kN, mm, s.",
         "# Use one of the materials in a zeroLength element, direction 1, per bearing.",
         f"# {BOUNDS_NOTE}.",
+        f"# {INITIAL_NOTE}.",
     ]
     if "virgin" in set(models["bound"]):
         lines.append(f"# {VIRGIN_BOUND}.")

@@ -7,7 +7,7 @@ import numpy as np
 
 from thermobearing.bearing.undecided import band_text
 from thermobearing.border.lazy import pd
-from thermobearing.design.bounds import BOUNDS_NOTE, VIRGIN_BOUND
+from thermobearing.design.bounds import BOUNDS_NOTE, INITIAL_NOTE, VIRGIN_BOUND
 from thermobearing.design.codes import FOOTNOTE
 from thermobearing.design.peaks import COLLECTED
 from thermobearing.quantities.governing import least_by
@@ -120,7 +120,8 @@ def factor_tables(summary: Summary) -> dict[str, Table]:
     tables = {"factors": _factors_table(summary)}
     ratio = summary["stiffness_ratio"]
     bounds_note = (
-        f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {BOUNDS_NOTE}. {RECOMMENDED}"
+        f"K_2/K_1 = {ratio['K_2_over_K_1']:g}: {ratio['source']}. {INITIAL_NOTE}. "
+        f"{BOUNDS_NOTE}. {RECOMMENDED}"
     )
     names: Names = [Quantity("Bound", name="bound"), quantity("strain", form="g")]
     names += [Quantity("Cycle", name="basis"), "ambient_degC"]

@@ -19,6 +19,7 @@ from thermobearing.earthquake.properties.notes import (
     assumed_in_file,
     beyond_note,
     bound_note,
+    bounded_note,
     cold_lead_note,
     cycle_note,
     elastic_note,
@@ -45,6 +46,7 @@ from thermobearing.earthquake.properties.trials import (
     Trials,
     shortfall_note,
     trial_columns,
+    upper_note,
 )
 from thermobearing.model.earlier import BilinearParameters
 from thermobearing.quantities.words import counted, joined, percent
@@ -58,7 +60,9 @@ LINK_NOTES = (
     "effective damping ratio h and the effective period T_eff of the bridge: the field Effective "
     "Damping of SAP2000 and CSiBridge, of linear load cases, takes C and not the ratio.",
     "bounds.csv of lambda has other loops: of one bearing at the strain of a test, its softest "
-    "heated and its stiffest first cycle; these links are of the displacements of the bridge.",
+    "heated and its stiffest first cycle, with K_1 by a ratio to K_2 that is usual for its kind; "
+    "these links are of the displacements of the bridge. Here K_1 of a bearing with a bilinear "
+    "loop (linear rubber with lead) is its own initial stiffness K_0.",
     "(assumed): rests on a number that was assumed, borrowed or chosen, and not measured, or on a "
     "strain or temperature outside the tests of the bearing.",
 )
@@ -103,7 +107,13 @@ def link_text(
         "lead have a second block of lower values, with the lead as warm as in the",
         "runs and T_eff without heating.",
     ]
-    notes = [*LINK_NOTES, *_state_notes(lines), left_out_note(lines), initial_stiffness_note(lines)]
+    notes = [
+        *LINK_NOTES,
+        bounded_note(lines),
+        *_state_notes(lines),
+        left_out_note(lines),
+        initial_stiffness_note(lines),
+    ]
     for note in [*notes, trials_note(trials) if trials else ""]:
         text += textwrap.wrap(note, LINK_WIDTH)
     periods = bridges.set_index(["bearing", "state", "ambient_degC"])["effective_period_s"]
@@ -154,8 +164,8 @@ def trials_note(trials: Trials) -> str:
     return (
         "Peaks with links are those of the same bridge and motions with the links of all lines in "
         f"place of the bearings, next to those of the coupled analysis ({runs}{missing}). "
-        f"{_steps_note(trials.rows)}"
-    )
+        f"{_steps_note(trials.rows)} {upper_note(trials.rows)}"
+    ).rstrip()
 
 
 def _steps_note(rows: "pd.DataFrame") -> str:

@@ -25,6 +25,7 @@ from thermobearing.cyclic.equivalent import (
 )
 from thermobearing.earthquake.case import list_bearing_tables
 from thermobearing.model.outcomes import assumption_texts
+from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.words import joined
 
 RATIO_SLACK = 1.0 + 1e-9  # by which rounding may exceed a ratio
@@ -140,6 +141,18 @@ def initial_stiffness_note(lines: "pd.DataFrame", *, with_numbers: bool = True) 
 
 
 LOWER, UPPER = "lower", "upper"
+BOUNDED = (
+    "Upper and lower values bound K_eff, the peak force over the design displacement, each at its "
+    "own design displacement. Damping, Q_d, K_d and K_1 belong to the same loop and are not bounds "
+    "one by one"
+)
+BOUNDED_COLUMNS = (  # column, unit and digits
+    ("K_eff_kN_mm", "kN/mm", 3),
+    ("Q_d_kN", "kN", 1),
+    ("K_d_kN_mm", "kN/mm", 3),
+    ("K_1_kN_mm", "kN/mm", 2),
+)
+BOUND_SLACK = 1.005  # by which a value may exceed an upper one that is as large
 NO_BOUND = "no bound, but the properties at this temperature in this state of the rubber"
 EXTREMES = (
     "Coldest and warmest are those of the ambient temperatures of this analysis, not of the site."
@@ -164,6 +177,33 @@ def with_bounds(lines: "pd.DataFrame") -> "pd.DataFrame":
         names += [UPPER] * bool(ambient == ambients.min() and stiffest)
         bounds.append(joined(names))
     return lines.assign(bound=bounds)
+
+
+def bounded_note(lines: "pd.DataFrame", degree: str = "degC") -> str:
+    """Return what upper and lower values bound, and which upper values others exceed, as sentences.
+
+    `lines` are those of `with_bounds`; empty where lines have one row each.
+    """
+    phrases: dict[str, None] = {}
+    bounded = [row for row in lines.to_dict("records") if is_upper(row)]
+    names = dict(zip(lines.index, place_names(lines, degree), strict=True))
+    for row in bounded:
+        same = lines[
+            (lines["line"] == row["line"]) & (lines["line_bearing"] == row["line_bearing"])
+        ]
+        for column, unit, digits in BOUNDED_COLUMNS:
+            values = same[column].fillna(0.0)
+            if values.max() > BOUND_SLACK * row[column]:
+                symbol = column.removesuffix(f"_{unit.replace('/', '_')}")
+                other = names[values.index[place_of_largest(values)]]
+                phrases[
+                    f"{symbol} of {row['line_bearing']} {row[column]:.{digits}f} {unit}, but "
+                    f"{values.max():.{digits}f} {unit} of {other}"
+                ] = None
+    if not bounded or not lines.duplicated(["bearing", "line"]).any():
+        return ""
+    exceeded = f" (upper values that others exceed: {'; '.join(phrases)})" if phrases else ""
+    return f"{BOUNDED}{exceeded}."
 
 
 def is_lower(row: Mapping[Any, Any]) -> bool:

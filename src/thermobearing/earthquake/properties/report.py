@@ -20,6 +20,7 @@ from thermobearing.earthquake.properties.notes import (
     SCRAGGED,
     assumed_in_file,
     beyond_note,
+    bounded_note,
     cold_lead_note,
     cycle_note,
     elastic_note,
@@ -186,7 +187,10 @@ def _lines_table(lines: "pd.DataFrame") -> Table:
         note = f"{note} Upper values of virgin rubber are of another cycle ({'; '.join(notes)})."
     # links.txt has the numbers of K_0, which would hide what the note says of the table.
     of_stiffness = plain(initial_stiffness_note(lines, with_numbers=False))
-    note = " ".join([note, of_stiffness, plain(left_out_note(lines)), *_reservations(lines)])
+    bounded = plain(bounded_note(lines, "°C"))
+    note = " ".join(
+        [note, bounded, of_stiffness, plain(left_out_note(lines)), *_reservations(lines)]
+    )
     several_states = lines["state"].nunique() > 1
     several = lines["bearing"].nunique() > 1
     keys = ["bearing", "line"] if several else ["line"]

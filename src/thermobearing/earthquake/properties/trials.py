@@ -22,7 +22,7 @@ from thermobearing.earthquake.case import (
     make_earthquake_case,
 )
 from thermobearing.earthquake.properties.lines import design_peak, load_device
-from thermobearing.earthquake.properties.notes import is_lower
+from thermobearing.earthquake.properties.notes import BOUND_SLACK, is_lower, is_upper
 from thermobearing.earthquake.properties.peaks import (
     MOST_STEPS_OF_LINKS,
     PEAKS,
@@ -34,7 +34,7 @@ from thermobearing.earthquake.properties.peaks import (
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.earlier import REFERENCE
-from thermobearing.quantities.governing import place_of_least
+from thermobearing.quantities.governing import place_of_largest, place_of_least
 from thermobearing.quantities.words import joined
 from thermobearing.quantities.words import number as number_text
 
@@ -138,6 +138,36 @@ def shortfall_note(rows: "pd.DataFrame") -> str:
         return ""
     other = "or take the values of the coupled analysis"
     return f"In this bridge these links give {joined(phrases)}, {other}."
+
+
+def upper_note(rows: "pd.DataFrame") -> str:
+    """Return which forces links of upper values do not make largest, as a sentence; else empty.
+
+    Of each peak the line counts where other links exceed those of upper values most.
+    """
+    phrases = []
+    for peak_name, unit in PEAKS.values():
+        name = trial_columns(peak_name, unit)[0]
+        excesses = []
+        for _, group in rows[rows[name].notna()].groupby(["bearing", "line"], sort=False):
+            upper = group[[is_upper(row) for row in group.to_dict("records")]]
+            largest = group.iloc[place_of_largest(group[name])]
+            if len(upper) and unit != "mm" and largest[name] > BOUND_SLACK * upper[name].max():
+                excesses.append((float(upper[name].max()), largest))
+        if excesses:
+            value, row = excesses[place_of_largest([row[name] / value for value, row in excesses])]
+            rubber = f"{row['rubber']} rubber".strip() + ", lead heated" * bool(row["lead"])
+            phrases.append(
+                f"{peak_name.replace('_', ' ')} ({row['line']}: {number_text(value)} "
+                f"{unit.replace('_', ' ')}, with links of {rubber} at {row['ambient_degC']:g} degC "
+                f"{number_text(row[name])} {unit.replace('_', ' ')})"
+            )
+    if not phrases:
+        return ""
+    return (
+        f"Links of upper values do not give the largest {joined(phrases)}: take the largest peaks "
+        "of all links."
+    )
 
 
 def _refusal(table: Mapping[str, Any]) -> str | None:
