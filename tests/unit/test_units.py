@@ -55,6 +55,7 @@ from thermobearing.border.units import (
         ("9 delta_degF", "K", 5.0),
         ("1.25 h", "s", 4500.0),
         ("5 ms", "s", 0.005),
+        ("\N{MINUS SIGN}10.5 °C", "degC", -10.5),
         ("30 1/min", "Hz", 0.5),
     ],
 )

@@ -109,9 +109,12 @@ def _pint_conversion(unit: str, target: str) -> tuple[float, float]:
 def split_quantity(text: str) -> tuple[str, str] | None:
     """Return the number of a text and its unit ("" without one); None for any other text.
 
+    The minus sign of printed numbers counts as that of files, so that reports can be copied.
+
     >>> split_quantity("1.5e3 kN/mm"), split_quantity("nan"), split_quantity("two mm")
     (('1.5e3', 'kN/mm'), ('nan', ''), None)
     """
+    text = text.replace("\N{MINUS SIGN}", "-")
     match = _NUMBER_AND_UNIT.match(text) if len(text) <= LONGEST else None
     return None if match is None else (match["number"], match["unit"] or "")
 
