@@ -324,7 +324,7 @@ def _undetermined_table(summary: Row) -> Table:
         "Moves most: the parameter whose estimate one standard uncertainty changes most, relative "
         "to its value. Intervals of parameters contain these errors."
     )
-    caption = "Parameters that the tests do not determine"
+    caption = "Assumed values, and parameters that are held or poorly determined"
     return make_table(frame, caption=caption, note=note if summary["assumed"] else "")
 
 
