@@ -499,6 +499,7 @@ def test_beside_the_model(
     (row,) = pd.read_csv(tmp_path / "out" / "thermocouples.csv").to_dict("records")
     assert (row["thermocouple"], row["place"]) == ("T3, inside", "rubber 2")
     assert_allclose(row["rise_error"], 1.0 / 0.9 - 1.0, rtol=tol.FITTED_RISE)
+    assert row["start_model_degC"] == pytest.approx(0.0, abs=0.01)
     samples = pd.read_csv(tmp_path / "out" / "fit.csv")
     assert_allclose(
         samples["T3, inside"],

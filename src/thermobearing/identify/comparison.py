@@ -89,6 +89,7 @@ class Comparison:
                     "thermocouple": title,
                     "place": self.record.places[title],
                     "start_test_degC": begin,
+                    "start_model_degC": begin_model,
                     "highest_test_degC": float(test.max()),
                     "highest_model_degC": float(model.max()),
                     "rise_test_K": rise,

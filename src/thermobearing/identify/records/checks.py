@@ -14,7 +14,6 @@ from thermobearing.bearing.model import Bearing
 from thermobearing.border.arguments import checked
 from thermobearing.border.errors import InputError
 from thermobearing.border.text_file import file_names
-from thermobearing.border.units import conversion
 from thermobearing.core.records import Floats
 from thermobearing.cyclic.conditioning import (
     chamber_numbers,
@@ -34,7 +33,8 @@ from thermobearing.identify.records.cycles import (
     split_runs,
 )
 from thermobearing.identify.records.limits import check_limits, suspected_slip
-from thermobearing.identify.records.record import ASSUMED_AMBIENT, PAUSE, TestRecord, load_test
+from thermobearing.identify.records.record import PAUSE, TestRecord, load_test
+from thermobearing.identify.records.temperatures import check_starts, check_thermocouples
 from thermobearing.identify.records.treatment import (
     SURE,
     UNITS,
@@ -57,13 +57,11 @@ from thermobearing.results.figure_style import Wanted, figure_style
 from thermobearing.results.metrics import loop_energy
 from thermobearing.results.writing import write_summary
 from thermobearing.tables.conditioning import Conditioning
-from thermobearing.tables.guess import initial_temperature
 
 NOT_NEEDED = ("cycles", "sampling")  # checks of a calibration that any history may fail
 COARSE = "turns"  # the check of the distance of samples after a turn
 MARKS = {"refused": "REFUSED", "warning": "warning", "note": "note"}
 MILLI = 1e3  # seconds labelled ms, or milliseconds labelled s
-ZERO_DEGC = -conversion("K", "degC")[1]  # [K]
 
 
 @dataclass(frozen=True)
@@ -195,6 +193,7 @@ def check_test(
         if bearing is not None:
             findings += _check_conditioning(record, bearing)
         findings += check_thermocouples(record)
+        findings += check_starts(report.treatment.to_fit(report.clipped)[0])
     return report
 
 
@@ -628,32 +627,6 @@ def _check_conditioning(record: TestRecord, bearing: Bearing) -> Iterator[Findin
         if stated.inside is not None:
             message += f" after {start.hours:.1f} h, which agree with the reading inside"
         yield warn("conditioning", message)
-
-
-def check_thermocouples(record: TestRecord) -> Iterator[Finding]:
-    """Yield thermocouples in kelvin, that look broken, or do not start near the ambient."""
-    limits = check_limits()
-    for title, values in record.temperatures.items():
-        # Before the range of the sensor: 296 K in a column of degC is a wrong unit, no broken
-        # sensor. Where the ambient temperature is not known, it is near that of laboratories.
-        begin = initial_temperature(values)
-        ambient = ASSUMED_AMBIENT if np.isnan(record.ambient) else record.ambient
-        if abs(begin - ZERO_DEGC - ambient) < limits.like_kelvin and begin > limits.lowest_kelvin:
-            yield refuse(
-                "thermocouple",
-                f"{title} starts at {begin:.4g} degC; in kelvin that would be "
-                f'{begin - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
-            )
-        elif values.min() < limits.coldest or values.max() > limits.hottest:
-            ends = f"{values.min():.3g} to {values.max():.3g} degC"
-            message = f"{title} reads {ends}: is the sensor broken?"
-            yield warn("thermocouple", message)
-        elif record.conditioning is None and abs(begin - record.ambient) > 5.0:
-            message = (
-                f"{title} starts at {begin:.3g} degC, but the chamber is at "
-                f"{record.ambient:.3g} degC: was the specimen there long enough?"
-            )
-            yield warn("thermocouple", message)
 
 
 def print_checks(reports: list[CheckReport]) -> None:

@@ -55,6 +55,9 @@ class CheckLimits(Strict):
     like_kelvin: Annotated[float, in_unit("K"), Field(gt=0)]
     coldest: Annotated[float, in_unit("degC")]
     hottest: Annotated[float, in_unit("degC")]
+    notable_start: Annotated[float, in_unit("K"), Field(gt=0)]
+    sensor_class: Annotated[float, in_unit("K"), Field(gt=0)]
+    far_start: Annotated[float, in_unit("K"), Field(gt=0)]
 
 
 def check_limits() -> CheckLimits:

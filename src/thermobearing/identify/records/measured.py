@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from thermobearing.bearing.model import Bearing
 from thermobearing.border.errors import InputError, printable
 from thermobearing.border.lazy import pd
-from thermobearing.identify.records.checks import check_test, check_thermocouples
+from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.cycles import closing_cycles
 from thermobearing.identify.records.record import PAUSE, TestRecord, build_record
+from thermobearing.identify.records.temperatures import check_thermocouples
 from thermobearing.identify.records.treatment import describe_treatment
 from thermobearing.identify.records.turns import amplitudes_between
 from thermobearing.quantities.governing import largest_by
