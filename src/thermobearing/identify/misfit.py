@@ -1,7 +1,7 @@
 """How large a misfit is: residuals of the force and of the temperatures against their noise."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,10 @@ from thermobearing.quantities.words import number, percent
 from thermobearing.tables.guess import initial_temperature
 
 FORCE = "force"
+# Time constants of sensors [s]: a bare junction in rubber has a tenth, one in a tube a minute.
+LAGS = (0.1, 0.2, 0.5, 0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0, 60.0)
+MAIN_LAG = 0.3  # of the squared difference: what a lag explains to be stated
+TINY = 1e-12
 Row = Mapping[str, Any]
 
 
@@ -29,6 +33,8 @@ class Difference:
     noise: float  # standard deviation of the noise of the signal; 0 without noise
     largest: float  # at any time; magnitude
     scale: float  # largest force, or largest rise of the temperature
+    lag: float = 0.0  # of a thermocouple, with which the difference is smallest [s]
+    by_lag: float = 0.0  # share of the squared difference that this lag explains
 
     @property
     def times_noise(self) -> float:
@@ -65,8 +71,40 @@ def measure_differences(
                 courses = model - initial_temperature(model) - (test - begin)
                 # Of all samples: those in rests are means, which have less noise.
                 noise = estimate_noise(check.record.temperatures.get(title, test))
-                differences.append(_difference(record.name, title, "K", courses, noise, rise))
+                difference = _difference(record.name, title, "K", courses, noise, rise)
+                lag, share = fit_lag(record.time, model, test)
+                differences.append(replace(difference, lag=lag, by_lag=share))
     return differences
+
+
+def fit_lag(time: Floats, model: Floats, test: Floats) -> tuple[float, float]:
+    """Return the lag [s] of a sensor with which rises of model and test differ least.
+
+    The second number is the share of the squared difference that this explains. The sensor is of
+    the first order, and the best of the lags of LAGS is that of its time constant.
+    """
+    rise, measured = model - initial_temperature(model), test - initial_temperature(test)
+    squares = [float(np.sum((lagged(time, rise, lag) - measured) ** 2)) for lag in (0.0, *LAGS)]
+    if squares[0] == 0.0:
+        return 0.0, 0.0
+    best = int(np.argmin(squares))
+    return (0.0, *LAGS)[best], 1.0 - squares[best] / squares[0]
+
+
+def lagged(time: Floats, values: Floats, lag: float) -> Floats:
+    """Return what a sensor of the first order with a lag [s] reads of a signal.
+
+    Between samples the signal is a straight line, for which the reading is exact.
+    """
+    if lag == 0.0:
+        return values
+    steps = np.diff(time) / lag
+    decays = np.exp(-steps)
+    slopes = np.diff(values) / np.maximum(steps, TINY)  # in one lag
+    behind = [0.0]  # of the signal, how far the reading is
+    for decay, slope in zip(decays.tolist(), slopes.tolist(), strict=True):
+        behind.append(decay * behind[-1] + (1.0 - decay) * slope)
+    return np.asarray(values - np.array(behind))
 
 
 def _difference(
@@ -92,13 +130,23 @@ def describe_differences(differences: Sequence[Difference]) -> str:
         parts.append(
             f"the temperature rise most in {item.test}, {item.signal}, by up to "
             f"{_size(item, item.largest)} ({percent(item.largest / item.scale, 1)} of the rise, "
-            f"{_size(item, item.rms)} rms, {_against_noise(item)})"
+            f"{_size(item, item.rms)} rms, {_against_noise(item)}{_by_lag(item)})"
         )
     return " and ".join(parts)
 
 
 def _size(item: Difference, value: float) -> str:
     return f"{number(value, '.2g')} {item.unit}"
+
+
+def _by_lag(item: Difference) -> str:
+    """Return what a lag of the thermocouple explains of the difference; "" where that is little."""
+    if item.by_lag < MAIN_LAG:
+        return ""
+    return (
+        f"; a thermocouple that lags by {number(item.lag, '.2g')} s would explain "
+        f"{percent(item.by_lag)} of its square"
+    )
 
 
 def _against_noise(item: Difference) -> str:
