@@ -117,14 +117,21 @@ def test_statements_of_a_certificate(saved: SavedResult) -> None:
 def test_a_misfit_of_a_certificate_has_size_and_cause(saved: SavedResult) -> None:
     misfit = "model and test differ by more than noise: the force most in cold. Possible causes: "
     misfit += "many of them, " * 10
+    other = {"name": "clock", "key": "x", "size": 2.0, "sizes": [1.0, 2.0], "unit": "K"}
+    other |= {"plausible": True, "named": True}
     suspect = {"name": "delay of the force", "key": "force_delay", "size": 12.3, "unit": "ms"}
     summary = {**saved.summary, "warnings": [misfit], "suspects": [suspect]}
-    (text,) = (
-        text
-        for text in build_certificate(replace(saved, summary=summary)).answer
-        if text.startswith("Warning")
+    both = {**summary, "suspects": [suspect, other]}
+    text, several = (
+        next(
+            text
+            for text in build_certificate(replace(saved, summary=content)).answer
+            if text.startswith("Warning")
+        )
+        for content in (summary, both)
     )
-    assert "cold. Most plausible cause: delay of the force, +12 ms." in text
+    assert "not distinguish: delay of the force, +12 ms; clock, +1 to +2 K." in several
+    assert "cause of the difference of the force: delay of the force, +12 ms." in text
 
 
 def test_a_certificate_has_the_digest_of_the_description_of_the_bearing(

@@ -9,7 +9,11 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.identify.case import IdentifyCase, IdentifyKeywords
+from thermobearing.identify.misfit import fit_lag, lagged
+from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.uncertainty.evidence import Evidence
+from thermobearing.identify.uncertainty.groups import CONDITIONING, chosen_groups
 
 BEARING = tb.load_bearing("shen-hdr-specimen")
 STEPS = tb.cyclic_test(strain=[0.5, 1.0, 1.75], cycles=4, rest=60.0)
@@ -129,6 +133,74 @@ def test_a_value_is_contradicted_beside_another_cause(records: Records) -> None:
     assert [item.group.key for item in fit.uncertainty.suspects] == ["force_drift"]
     assert evidence["K_r"].contradicted
     assert not evidence["K_r"].imitated
+
+
+@pytest.fixture(scope="module")
+def two_starts() -> tb.Identification:
+    """The sidecar of the cold test states 2 K less than its specimen had, as a thermocouple saw."""
+    cold, warm = make_records(BEARING)
+    readings = cold.ambient + np.zeros(len(cold.time))
+    stated = replace(
+        cold,
+        ambient=cold.ambient - 2.0,
+        temperatures={"T1": readings},
+        places={"T1": "rubber 3"},
+    )
+    return tb.identify_bearing([stated, warm], BEARING, starts=1)
+
+
+def test_each_temperature_is_a_cause_of_its_own(two_starts: tb.Identification) -> None:
+    """Before, the first of a group of equal causes was the only one that was named."""
+    suspects = [item for item in two_starts.summary()["suspects"] if item["named"]]
+    first, starts = suspects[0], [item for item in suspects if item["ambient_degC"] is not None]
+    signs = {item["ambient_degC"]: np.sign(item["size"]) for item in starts}
+    assert signs == {-22.0: 1.0, 23.0: -1.0}
+    assert first["plausible"]  # 3.5 usual errors, but measured
+    assert (first["ambient_degC"], first["measured_K"]) == (-22.0, pytest.approx(2.0))
+    assert first["sizes"][0] <= first["size"] <= first["sizes"][1]
+    assert first["explains"] == "the difference of the force"
+    (misfit,) = two_starts.uncertainty.misfit
+    assert all(item["name"] in misfit for item in suspects)
+
+
+@pytest.mark.parametrize(
+    ("ambient", "sigmas", "possible", "state"),
+    [
+        (-10.0, -0.2, False, ""),
+        (-10.0, 0.2, True, "yet as cold"),
+        (40.0, -0.2, True, "yet as warm"),
+        (40.0, 0.2, False, ""),
+    ],
+)
+def test_a_specimen_comes_from_a_room(
+    ambient: float, sigmas: float, possible: bool, state: str
+) -> None:
+    (group,) = (item for item in chosen_groups(None) if item.key == CONDITIONING)
+    evidence = Evidence(group.model_copy(update={"at": ambient}), sigmas, 0.01, 0.5)
+    assert evidence.conceivable == possible
+    assert state in evidence.cause
+
+
+def test_the_lag_of_a_thermocouple_is_measured() -> None:
+    time = np.linspace(0.0, 60.0, 3001)
+    model = -20.0 + 15.0 * (1.0 - np.exp(-time / 8.0)) + np.sin(time)
+    steady = lagged(time, np.where(time > 0.0, 1.0, 0.0), 2.0)
+    np.testing.assert_allclose(steady[100], 1.0 - np.exp(-1.0), atol=0.005)  # after 2 s
+    assert fit_lag(time, model, lagged(time, model, 2.0)) == (2.0, pytest.approx(1.0, abs=0.02))
+    assert fit_lag(time, model, model) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("off", "level"), [(0.2, None), (-0.4, "note"), (0.6, "warning"), (-6.0, "warning")]
+)
+def test_a_thermocouple_that_begins_elsewhere_is_reported(off: float, level: str | None) -> None:
+    cold, _ = make_records(BEARING)
+    readings = {"T1": cold.ambient + off + np.zeros(len(cold.time))}
+    report = check_test(replace(cold, temperatures=readings, places={"T1": "rubber 3"}))
+    starts = [finding for finding in report.findings if finding.check == "thermocouple"]
+    assert [finding.level for finding in starts] == ([] if level is None else [level])
+    if abs(off) < 5.0:
+        assert all(f'"{cold.ambient + off:.1f} degC"' in item.sentence for item in starts)
 
 
 def test_keywords_of_a_calibration_are_the_fields_of_its_case() -> None:

@@ -25,7 +25,14 @@ from thermobearing.identify.report import (
     worst_error,
 )
 from thermobearing.identify.treatments import OF_ALL_RECORDS, describe_treatments
-from thermobearing.identify.uncertainty.diagnosis import MISFIT, NONE_PLAUSIBLE, size_words
+from thermobearing.identify.uncertainty.diagnosis import (
+    MISFIT,
+    MOST_CAUSES,
+    NONE_PLAUSIBLE,
+    SIGNALS,
+    examined_signals,
+    range_words,
+)
 from thermobearing.identify.uncertainty.groups import CELLS
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table, make_table
@@ -99,7 +106,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
     answer = [*_certified_range(bearing), *_certified_conditions(listed)]
     answer += [*_certified_held_out(held_out), *_certified_narrowing(summary)]
     answer += _certified_digests(saved, listed)
-    answer += _certified_warnings(saved.warnings, _first_cause(summary))
+    answer += _certified_warnings(saved.warnings, _causes(summary))
     files = _certified_files(listed)
     lines = sum(1 + len(text) // LINE for text in answer)
     broken = sum(_is_broken(record) for record in listed)
@@ -290,22 +297,38 @@ def _certified_held_out(held_out: Row) -> list[str]:
     return statements
 
 
-def _first_cause(summary: Row) -> str:
-    """Return what the first cause of a misfit is, with its size and what else it stands for.
+def _causes(summary: Row) -> str:
+    """Return what the causes of a misfit are, with their sizes; of one, what else it stands for.
 
     "" without any.
     """
     suspects = summary.get("suspects") or []
     if not suspects:
         return ""
-    first = suspects[0]
-    words = str(first["name"])
-    if first["key"] != CELLS:
-        words += f", {size_words(first['size'], first['unit'])}"
+    first, *others = suspects
+    signals = first.get("explains") or examined_signals(temperatures=False)
     if not first.get("plausible", True):
-        return NONE_PLAUSIBLE
-    cause = f" ({first['cause']})" if first.get("cause") else ""
-    return f"Most plausible cause: {words}{cause}"
+        return NONE_PLAUSIBLE.replace(SIGNALS, signals)
+    others = [item for item in others if item.get("named") and item.get("plausible")]
+    if not others:
+        cause = f" ({first['cause']})" if first.get("cause") else ""
+        return f"Most plausible cause of {signals}: {_cause(first)}{cause}"
+    listed = [_cause(item) for item in [first, *others][:MOST_CAUSES]]
+    if hidden := 1 + len(others) - len(listed):
+        listed.append(f"{hidden} more in report.html")
+    first_words = (
+        f"Possible causes of {signals}, one or several, which the tests do not distinguish"
+    )
+    return f"{first_words}: {'; '.join(listed)}"
+
+
+def _cause(suspect: Row) -> str:
+    """Return a cause of a misfit with its size."""
+    words = str(suspect["name"])
+    if suspect["key"] == CELLS:
+        return words
+    sizes = suspect.get("sizes") or [suspect["size"]] * 2  # results of older versions have one
+    return f"{words}, {range_words(sizes, suspect['unit'])}"
 
 
 def _certified_narrowing(summary: Row) -> list[str]:

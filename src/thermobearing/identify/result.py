@@ -31,7 +31,7 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.identify.records.treatment import UNITS
 from thermobearing.identify.records.turns import turned_amplitudes
 from thermobearing.identify.treatments import motion_notes
-from thermobearing.identify.uncertainty.diagnosis import MISFIT
+from thermobearing.identify.uncertainty.diagnosis import MISFIT, examined_signals
 from thermobearing.identify.uncertainty.evidence import Uncertainty
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.tables import Table
@@ -397,7 +397,12 @@ class Identification(Result):
             ),
             "suspects": [
                 *(zero.suspicion(name) for name, zero in self._measured_zeros()),
-                *(item.suspicion() | {"named": item in named} for item in suspects),
+                *(
+                    item.suspicion()
+                    | {"named": item in named, "sizes": list(self.uncertainty.sizes(item))}
+                    | {"explains": examined_signals(temperatures=self.problem.temperatures)}
+                    for item in suspects
+                ),
             ],
             "differences": [item.summary() for item in self.differences],
             "difference": describe_differences(self.differences),

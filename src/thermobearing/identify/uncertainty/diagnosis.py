@@ -38,19 +38,24 @@ ALIKE = 0.2  # effective over actual samples, below which residuals are not nois
 TEMPERATURE_SPAN = 15.0  # K between tests that fix a temperature coefficient
 # Entropy stiffens warm rubber by T/T_0, a third in 100 K; no more.
 ENTROPIC = 0.35
-MOST_CAUSES = 3  # that are named
+MOST_CAUSES = 3  # that are explained
 MISFIT = "model and test differ by more than noise"  # a warning begins with it
-CANNOT_TELL = "Possible causes, which these tests do not distinguish, the most plausible first: "
+SIGNALS = "{signals}"  # in a sentence, the words of `examined_signals`
+CANNOT_TELL = (
+    f"Possible causes of {SIGNALS}, one or several of them, which these tests do not distinguish, "
+    "the most plausible first: "
+)
 SURELY = 3.0  # ... and by so many standard errors
 ROUNDING = 1e-9  # a parameter nearer to zero is at it
 SPEED_SPAN = 3.0  # ratio of speeds that fixes rate dependence
 NOISY = 0.1  # of d_y: such noise changes the force after a reversal by a tenth of the strength
 NONE_PLAUSIBLE = (
-    "No assumed value explains this by a change of at most "
+    f"No assumed value explains {SIGNALS} by a change of at most "
     f"{LARGEST_ERROR:g} usual errors: the description of the bearing (plan, number and thickness "
     "of the rubber layers) or the clock of the tests may be wrong"
 )
 LARGER = "Larger changes that would explain it: "
+LIKELY = f"The likely cause of {SIGNALS}: "
 
 
 def describe_weakness(problem: Problem, uncertainty: Uncertainty, d_y: float) -> list[str]:
@@ -101,6 +106,11 @@ def describe_weakness(problem: Problem, uncertainty: Uncertainty, d_y: float) ->
     return warnings
 
 
+def examined_signals(*, temperatures: bool) -> str:
+    """Return the residuals that causes of a misfit explain; `temperatures` says what is fitted."""
+    return f"the difference of {'force and temperatures' if temperatures else 'the force'}"
+
+
 def describe_misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
     """Return possible causes of residuals that are not noise, the least surprising first."""
     if uncertainty.rms <= NEGLIGIBLE:  # the model met the tests: there is no misfit to explain
@@ -110,12 +120,19 @@ def describe_misfit(problem: Problem, uncertainty: Uncertainty) -> list[str]:
     if suspects:
         peak = max(record.peak_force for record in problem.records)
         causes = [
-            _suspicion(item, problem.pset.base, peak, explained=place < MOST_CAUSES)
+            _suspicion(
+                item,
+                problem.pset.base,
+                peak,
+                range_words(uncertainty.sizes(item), item.size[1]),
+                explained=place < MOST_CAUSES,
+            )
             for place, item in enumerate(suspects)
         ]
-        words = "The likely cause: " if len(suspects) == 1 else CANNOT_TELL
+        words = LIKELY if len(suspects) == 1 else CANNOT_TELL
         if not suspects[0].plausible:
             words = f"{NONE_PLAUSIBLE}. {LARGER}"
+        words = words.replace(SIGNALS, examined_signals(temperatures=problem.temperatures))
         sentences.append(f"{MISFIT}. {words}{'; '.join(causes)}")
     evidence = list(uncertainty.assumed.evidence)
     if at_one_temperature(record.ambient for record in problem.records):  # freeing needs more
@@ -152,13 +169,33 @@ def size_words(size: float, unit: str) -> str:
     return f"{number(float(f'{size:.2g}'), '+g')} {unit}".rstrip()
 
 
-def _suspicion(item: Evidence, bearing: Bearing, peak: float, *, explained: bool) -> str:
-    """Return a suspect with its size, and with what else it stands for where `explained`.
+def range_words(sizes: Sequence[float], unit: str) -> str:
+    """Return the smallest and the largest size of a cause; one of them where they agree.
+
+    >>> range_words((1.02, 1.32), "K")
+    '+1 to +1.3 K'
+    """
+    smallest, largest = (size_words(size, unit) for size in sizes)
+    if smallest == largest:
+        return largest
+    return f"{smallest.removesuffix(unit).rstrip()} to {largest}"
+
+
+def start_words(difference: float) -> str:
+    """Return by how much the thermocouples of a test begin above or below the model [K]."""
+    state = "warmer" if difference > 0.0 else "colder"
+    return f"its thermocouples begin {number(abs(difference), '.2g')} K {state} than the model"
+
+
+def _suspicion(
+    item: Evidence, bearing: Bearing, peak: float, sizes: str, *, explained: bool
+) -> str:
+    """Return a suspect with its `sizes`, and with what else it stands for where `explained`.
 
     `peak` is the largest force of the tests [kN].
     """
-    (size, unit), key = item.size, item.group.keys[0]
-    words = f"{item.group.name} off by {size_words(size, unit)}"
+    key = item.group.key
+    words = f"{item.group.name} off by {sizes}"
     if key in kinds.KINDS:
         value = kinds.dotted_value(bearing, key) or 0.0
         moved = item.group.moved(key, value, item.sigmas)
@@ -166,12 +203,14 @@ def _suspicion(item: Evidence, bearing: Bearing, peak: float, *, explained: bool
     if key == CELLS:
         words = item.group.name
     elif key in OF_EACH_TEST:
-        words = f"{item.group.name} of {size_words(size, unit)}"
+        words = f"{item.group.name} of {sizes}"
     remarks = [] if item.plausible else [f"{number(abs(item.sigmas), '.3g')} usual errors"]
     if key == FORCE:
-        remarks.append(f"{size_words(0.01 * size * peak, 'kN')} at the peak")
-    if item.group.cause and explained:
-        remarks.append(item.group.cause)
+        remarks.append(f"{size_words(0.01 * item.size[0] * peak, 'kN')} at the peak")
+    if item.group.measured is not None:
+        remarks.append(start_words(item.group.measured))
+    if item.cause and explained:
+        remarks.append(item.cause)
     return f"{words} ({'; '.join(remarks)})" if remarks else words
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from thermobearing.core.records import Floats
 from thermobearing.identify.fit.parameters import Parameter
-from thermobearing.identify.uncertainty.groups import AMBIENT, CELLS, CONDITIONING, Group
+from thermobearing.identify.uncertainty.groups import AMBIENT, CELLS, CONDITIONING, STATE, Group
 from thermobearing.quantities.governing import order_from_largest
 
 SURE, BEYOND = 5.0, 3.0  # standard errors of the tests, of tests and source together
@@ -24,6 +24,8 @@ MUCH = 0.1  # of the squared misfit, which one more free parameter would take aw
 # Usual errors, of an assumed value and of a mistake in a test: what has to be off by more stands
 # for another cause, such as a wrong description of the bearing.
 LARGEST_ERROR, LARGEST_MISTAKE = 3.0, 10.0
+AS_MEASURED = 3.0  # times the start that thermocouples show: a change that it confirms
+COOLEST_ROOM, WARMEST_ROOM = 15.0, 30.0  # [degC], from which a specimen comes into its chamber
 
 
 @dataclass(frozen=True)
@@ -64,17 +66,27 @@ class Evidence:
         """Whether the tests require less than a tenfold value, which no mistake explains.
 
         More heat cells are in one direction, and a cause only where they take a notable share
-        of the squared residuals away.
+        of the squared residuals away. So is a specimen that comes from a room: it is warmer than a
+        cold chamber, or cooler than a warm one, and never the reverse.
         """
+        if self.group.key == CONDITIONING and self.group.at is not None:
+            room = WARMEST_ROOM if self.sigmas > 0.0 else COOLEST_ROOM
+            return (room - self.group.at) * self.sigmas > 0.0
         if self.group.key == CELLS:
             return self.sigmas > 0.0 and self.explained > MUCH
         return abs(self.sigmas) * (self.group.relative or 0.0) < math.log(TENFOLD)
 
     @property
     def plausible(self) -> bool:
-        """Whether the tests require no more than some usual errors."""
+        """Whether the tests require no more than some usual errors, or what was measured."""
         limit = LARGEST_MISTAKE if self.group.mistake else LARGEST_ERROR
-        return abs(self.sigmas) <= limit
+        return self.seen or abs(self.sigmas) <= limit
+
+    @property
+    def seen(self) -> bool:
+        """Whether thermocouples begin away from the model to the same side, and not much less."""
+        measured = self.group.measured
+        return measured is not None and 0.0 < self.size[0] / measured <= AS_MEASURED
 
     @property
     def size(self) -> tuple[float, str]:
@@ -82,6 +94,20 @@ class Evidence:
         if self.group.absolute is not None:
             return self.sigmas * self.group.absolute, self.group.unit
         return 100.0 * float(np.expm1(self.sigmas * (self.group.relative or 0.0))), "%"
+
+    @property
+    def cause(self) -> str:
+        """What else the change stands for; "" for nothing else."""
+        state = "cold" if self.sigmas > 0.0 else "warm"
+        return self.group.cause.replace(STATE, state)
+
+    @property
+    def surprise(self) -> float:
+        """How little it is expected: the part of its usual error, and more for stronger reasons.
+
+        A start that a thermocouple shows comes first, then the sizes that are plausible.
+        """
+        return abs(self.sigmas) + LAST * (not self.seen) + 2.0 * LAST * (not self.plausible)
 
     def suspicion(self) -> dict[str, Any]:
         """Return the content of summary.json about the group as a suspect."""
@@ -94,7 +120,8 @@ class Evidence:
             "unit": unit,
             "usual_errors": abs(self.sigmas),
             "plausible": self.plausible,
-            "cause": self.group.cause,
+            "cause": self.cause,
+            "measured_K": self.group.measured,
             "explained": self.explained,
         }
 
@@ -196,8 +223,9 @@ class Uncertainty:
 
         These remove the residuals about as well as the best of all does. Which of them is the
         cause is not known by the residuals, so that the one is first that is off by the least
-        part of its usual error, after those of a plausible size those of larger sizes. None where
-        the tests require no value beyond its uncertainty.
+        part of its usual error, after those of a plausible size those of larger sizes. A start
+        temperature whose sign a thermocouple measured comes before both. None where the tests
+        require no value beyond its uncertainty.
         """
         evidence = [item for item in (*self.assumed.evidence, *self.mistakes) if item.conceivable]
         clear = [item for item in evidence if abs(item.sigmas) > SURE * item.stderr]
@@ -210,7 +238,7 @@ class Uncertainty:
         # No bearing has heat cells: they come first only where nothing else explains more.
         last = [item.group.key == CELLS and item.explained < best for item in similar]
         surprises = [
-            abs(item.sigmas) + LAST * (2.0 * is_last + (not item.plausible))
+            item.surprise + 4.0 * LAST * is_last
             for item, is_last in zip(similar, last, strict=True)
         ]
         order = order_from_largest([-surprise for surprise in surprises])
@@ -219,12 +247,28 @@ class Uncertainty:
     @property
     def causes(self) -> list[Evidence]:
         """The suspects in their order, of those that stand for the same cause the first."""
-        suspects = self.suspects
-        by_cause = {_common_cause(item): item for item in reversed(suspects)}
-        return [item for item in suspects if by_cause[_common_cause(item)] is item]
+        return [items[0] for items in self._by_cause.values()]
+
+    def sizes(self, cause: Evidence) -> tuple[float, float]:
+        """Return the sizes of a cause: by each suspect that stands for it, the smallest first."""
+        sizes = [item.size[0] for item in self._by_cause.get(_common_cause(cause), [cause])]
+        return min(sizes, key=abs), max(sizes, key=abs)
+
+    @property
+    def _by_cause(self) -> dict[Any, list[Evidence]]:
+        """The suspects in their order, together those that stand for the same cause."""
+        by_cause: dict[Any, list[Evidence]] = {}
+        for item in self.suspects:
+            by_cause.setdefault(_common_cause(item), []).append(item)
+        return by_cause
 
 
-def _common_cause(item: Evidence) -> str:
-    """Return what stands for the same cause: a cold specimen and a warm chamber are one."""
-    key = item.group.keys[0]
-    return AMBIENT if key == CONDITIONING else key
+def _common_cause(item: Evidence) -> tuple[str, float | None, bool]:
+    """Return what stands for the same cause.
+
+    A warmer specimen and a warmer chamber than stated are one, in tests at one temperature.
+    """
+    key = item.group.key
+    if key in (AMBIENT, CONDITIONING):
+        return AMBIENT, item.group.at, item.sigmas > 0.0
+    return key, None, True

@@ -21,6 +21,7 @@ from thermobearing.cyclic.conditioning import filled
 from thermobearing.identify.fit import parameters as kinds
 from thermobearing.identify.records.cycles import dead_band, estimate_noise, turning_points
 from thermobearing.identify.records.record import TestRecord
+from thermobearing.identify.records.temperatures import measured_start, start_differences
 
 LARGEST_SPREAD = 2.0  # relative standard uncertainty
 NORMAL_FREEDOM = 10**6  # degrees of freedom with which Student's distribution is the normal one
@@ -33,6 +34,7 @@ DELAY = "force_delay"
 OF_EACH_TEST = (DRIFT, ZERO, ZERO_DRIFT)
 OF_TESTS = (AMBIENT, TURNS, FORCE, CONDITIONING, CHAMBER, *OF_EACH_TEST, DELAY)
 CELLS = "cells"
+STATE = "{state}"  # in a cause: cold or warm, as the chamber of a specimen that is not yet so
 PERCENT = 100.0  # of the peak of a signal
 FINER = 2  # times more heat cells than in a bearing that has enough
 
@@ -68,6 +70,9 @@ class Group(Strict):
     cause: str = ""  # another reason for which tests require another value
     mistake: bool = False  # no uncertainty, but a suspect where residuals are not noise
     at: float | None = None  # of the tests at this ambient temperature only [degC]
+    # Start of the thermocouples of these tests above that of the model [K]; None without any, or
+    # where the difference is that of a sensor.
+    measured: float | None = None
 
     @model_validator(mode="after")
     def _one_uncertainty(self) -> "Group":
@@ -177,7 +182,9 @@ def groups_of_tests(records: Sequence[TestRecord], groups: Sequence[Group]) -> l
             continue
         for ambient in dict.fromkeys(record.ambient for record in records):
             name = f"{group.name} of {ambient:.4g} degC"
+            starts = [d for r in records if r.ambient == ambient for _, d in start_differences(r)]
             update: dict[str, Any] = {"name": name, "at": ambient}
+            update["measured"] = measured_start(starts)
             if group.keys[0] == AMBIENT:
                 steps = [_kelvin(r, group) for r in records if r.ambient == ambient]
                 update["absolute"] = max(steps)
