@@ -285,12 +285,12 @@ def test_a_report_states_what_motions_were_made_to_fit(tmp_path: Path) -> None:
     assert spectrum.ground_acceleration == pytest.approx(0.5 * target.ground_acceleration)
     pieces = build_pieces(result)
     table = pieces.inputs["motions"]
-    assert ["seed 1 of 9" in row[-1] for row in table.rows] == [True, False]
+    assert ["seed 1 of 9; as run, times 0.5" in row[-1] for row in table.rows] == [True, False]
     peak = float(np.nanmax(np.abs(result["ground_acceleration"].values[0]))) * 1e3
     assert f"{peak / spectrum.ground_acceleration:.2f} times (made-x0.5)" in table.note
     lines = result.plot.motion_spectra().axes[0].lines
     # All motions are drawn, also the one that was not made to fit a spectrum.
-    words = target.words.removeprefix("the ")
+    words = target.words.removeprefix("the ") + ", times 0.5"
     assert [line.get_label() for line in lines] == ["jra-ii-i-2", "made-x0.5", words]
     assert lines[0].get_color() == drawing.GREY != lines[1].get_color()
     periods, values = lines[2].get_data()

@@ -286,6 +286,22 @@ def test_paths_keep_their_shape_and_turns():
     assert np.abs(np.diff(found_x)).max() < 0.1  # evenly along the way
 
 
+def test_paths_with_noise_keep_the_extremes_of_both_axes():
+    """Noise turns the path at every point, so that its turns alone do not say where peaks are."""
+    time = np.linspace(0.0, 20.0 * np.pi, 11_001)
+    noise = 0.02 * np.where(np.arange(len(time)) % 2, 1.0, -1.0)
+    growth = 1.0 + 0.02 * np.arange(len(time)) / len(time)  # one cycle is the largest
+    x, y = growth * np.sin(time) + noise, growth * np.cos(time) + 0.1 * noise
+    found_x, found_y = figures._thinned(x, y, 741)
+    assert len(found_x) <= 741
+    assert (found_x.min(), found_x.max()) == (x.min(), x.max())
+    assert (found_y.min(), found_y.max()) == (y.min(), y.max())
+    # The peaks of every cycle too, not only the largest of all.
+    for start in range(0, 11_000, 1100):
+        inside = np.isin(y, found_y)[start : start + 1100]
+        assert y[start : start + 1100][inside].max() > 0.999
+
+
 def test_points_are_shared_so_that_the_page_stays_small():
     def lengths(*counts):
         return [lines(*(Trace("", np.zeros(n), np.zeros(n)) for n in counts))]

@@ -472,8 +472,7 @@ def motion_targets(dataset: "xr.Dataset") -> dict[str, MotionTarget]:
     targets = {}
     for name, row in rows.items():
         spectrum = read_target(row["target"])
-        factor = spectrum.factor * float(row["factor"])
-        targets[name] = MotionTarget(row["description"], replace(spectrum, factor=factor))
+        targets[name] = MotionTarget(row["description"], spectrum.scaled(float(row["factor"])))
     return targets
 
 
@@ -502,7 +501,9 @@ def given_motions_table(
             )
         source = _motion_source(motion)
         if name in described and source.startswith("file"):
-            source = f"{source}: {described[name]}"
+            factor = row["motion_factor"]
+            times = f"; as run, times {factor:g}" if factor != 1.0 else ""
+            source = f"{source}: {described[name]}{times}"
         rows.append(row | {"source": source})
     note = ""
     if result is not None:

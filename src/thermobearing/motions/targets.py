@@ -3,7 +3,7 @@
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -144,6 +144,13 @@ class DesignSpectrum:
         """Acceleration at period zero [mm/s2], such as A_s of a code; None if it is not stated."""
         start = None if isinstance(self.curve, StandardSpectrum) else self.curve.start
         return None if start is None else self.factor * start
+
+    def scaled(self, factor: float) -> "DesignSpectrum":
+        """Return the spectrum that a motion fits that is run times a factor; words state it."""
+        if factor == 1.0:
+            return self
+        words = f"{self.words}, times {factor:g}"
+        return replace(self, factor=factor * self.factor, words=words)
 
     def at(self, periods: ArrayLike) -> Floats:
         """Return the absolute acceleration at natural periods > 0 [mm/s2].

@@ -522,7 +522,10 @@ def thin(values: Floats, bins: int) -> Ints:
 def thin_loops(
     x: Floats, y: Floats, width: float, height: float, most: int = MOST_LOOP_POINTS
 ) -> Ints:
-    """Points of a path in the plane that keep its shape: evenly along it, and where it turns."""
+    """Return points of a path in the plane that keep its shape.
+
+    They are evenly along it, where it turns, and the extremes of both axes.
+    """
     if len(x) < 3 or EVERY_POINT.get():
         return np.arange(len(x))
     path_length = np.concatenate(
@@ -533,9 +536,14 @@ def thin_loops(
     step = max(LOOP_STEP, path_length[-1] / most)
     kept = np.flatnonzero(np.diff(np.floor(path_length / step), prepend=-1.0))
     turns = 1 + np.flatnonzero(np.diff(x)[:-1] * np.diff(x)[1:] < 0.0)
-    if len(turns) < most:  # else noise causes the turns
-        kept = np.union1d(kept, turns)
-    return np.union1d(kept, [len(x) - 1]).astype(np.int64)
+    noisy = len(turns) >= most  # noise causes the turns: extremes of pieces of the path stay
+    pieces = most // (4 if noisy else 16)
+    if noisy:
+        turns = thin(x, pieces)
+    if step > LOOP_STEP:  # a peak beside a turn could be between two kept points
+        kept = np.union1d(kept, thin(y, pieces))
+    extremes = [place for values in (x, y) for place in (values.argmin(), values.argmax())]
+    return np.unique(np.concatenate([kept, turns, extremes, [len(x) - 1]])).astype(np.int64)
 
 
 def draw_orbit(ax: Axes, x: Floats, y: Floats, name: str, unit: str, **look: Any) -> None:
