@@ -5,10 +5,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.special import ndtr
 
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.inputs import command
+from tests.unit.made_up_study import ask, beyond_limit
 from tests.unit.studies import small_study
 from thermobearing.studies.report import write_pelicun
 from thermobearing.studies.result import StudyResult, study_result
@@ -31,7 +33,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> StudyResult:
 
 def test_demands_are_those_of_the_runs(study: StudyResult, tmp_path: Path) -> None:
     """A header of event, type, place and direction; a row of units; a row for each run."""
-    assert write_pelicun(study, tmp_path / "out") == []
+    assert write_pelicun(study, tmp_path / "out") == ([], [])
     assert not (tmp_path / "out" / "damage.csv").exists()
     for name, ambient in TEMPERATURES.items():
         table = pd.read_csv(tmp_path / "out" / f"demand-{name}.csv", index_col=0, dtype=str)
@@ -72,6 +74,47 @@ def test_components_are_the_fragility_curves(study: StudyResult, tmp_path: Path)
         assert row["LS1-Theta_0"] == pytest.approx(curve.median)
         assert row["LS1-Theta_1"] == pytest.approx(curve.dispersion)
     assert "bearing_strain_max.9" in done.stdout  # no run goes so far
+
+
+def test_failed_runs_count_once(tmp_path: Path) -> None:
+    """Demands are those of completed runs; curves count all runs, and so have all intensities."""
+    result = ask(beyond_limit(), capacity=1.0).select(bearing="shen-hdr-bridge")
+    exported = write_pelicun(result, tmp_path)
+    damage = pd.read_csv(tmp_path / "damage.csv", index_col="ID")
+    lost = {}
+    for name, runs in result.table.groupby(
+        result.table["ambient_degC"].map("{:g}degC".format).str.replace("-", "minus")
+    ):
+        completed = runs["outcome"] == "completed"
+        demands = pd.read_csv(tmp_path / f"demand-{name}.csv", index_col=0)
+        assert len(demands) - 1 == completed.sum()
+        table = pd.read_csv(tmp_path / f"intensity-{name}.csv", index_col=0)
+        intensity = table["1-PGA-1-1"].drop("Units").astype(float)
+        np.testing.assert_allclose(intensity, runs["PGA_m_s2"], rtol=tol.ROUNDING)
+        if not completed.all():
+            lost[f"demand-{name}.csv"] = (~completed).sum(), len(runs)
+        component = damage.loc[f"{name}.pier_ductility.1"]
+        curve = np.log(intensity / component["LS1-Theta_0"]) / component["LS1-Theta_1"]
+        # A lognormal curve repeats the share of all runs within the rounding of a few runs.
+        by_hand = (~completed | (runs["pier_ductility"] > 1.0)).mean()
+        assert ndtr(curve).mean() == pytest.approx(by_hand, abs=0.02)
+    assert lost == {"demand-minus20degC.csv": (4, 36), "demand-0degC.csv": (1, 36)}
+    assert len(exported.not_in_demand) == len(lost)
+    for sentence, (file, (failed, runs)) in zip(
+        exported.not_in_demand, sorted(lost.items(), reverse=True), strict=True
+    ):
+        assert sentence.startswith(f"{failed} of {runs} runs ")
+        assert f"not in {file}: " in sentence
+        assert "pier" in sentence
+
+
+def test_outcomes_of_runs_that_are_not_exported(tmp_path: Path) -> None:
+    """Several outcomes are counted by name."""
+    result = beyond_limit().select(bearing="shen-hdr-bridge", ambient_degC=-20.0)
+    failed = result.table.index[result.table["outcome"] != "completed"]
+    result.table.loc[failed[0], "outcome"] = "lead_melted"
+    (sentence,) = write_pelicun(result, tmp_path).not_in_demand
+    assert f"{len(failed) - 1} pier_beyond_limit and 1 lead_melted" in sentence
 
 
 def test_errors(study: StudyResult, tmp_path: Path) -> None:

@@ -180,13 +180,15 @@ def _export(
 
     target = output or Path(f"{directory}-pelicun")
     capacities = values_by_name(capacity, "--capacity", "COLUMN=VALUE, such as pier_ductility=4")
-    sentences = write_pelicun(
+    exported = write_pelicun(
         study_result(directory), target, capacities=capacities or None, overwrite=overwrite
     )
-    for sentence in sentences:
+    for sentence in exported.not_in_demand:
+        typer.echo(sentence)
+    for sentence in exported.without_curve:
         typer.echo(f"no curve of {sentence}")
     echo_written(target)
-    return {"exit_status": 0, "output": str(target), "without_curve": sentences}
+    return {"exit_status": 0, "output": str(target), **exported._asdict()}
 
 
 @command(

@@ -1,8 +1,8 @@
 """Report of a parameter study."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from thermobearing.border.errors import OutputError
 from thermobearing.border.lazy import pd
 from thermobearing.border.text_file import file_names, write_file
 from thermobearing.border.toml import to_table
-from thermobearing.model.outcomes import heat_flow
+from thermobearing.model.outcomes import PIER_BEYOND_LIMIT, heat_flow
 from thermobearing.quantities.register import Quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.warned import BEYOND_TESTS, NO_RANGE
@@ -23,7 +23,7 @@ from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTOR
 from thermobearing.studies.definition.record import YEARS, Drawn, Study, stated_laws
 from thermobearing.studies.figures import StudyFigures
 from thermobearing.studies.result import StudyResult
-from thermobearing.studies.statistics.demand import OUTCOME, failure_rule
+from thermobearing.studies.statistics.demand import NEVER_RUN, OUTCOME, failure_rule
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.tables import (
     answer,
@@ -194,16 +194,33 @@ MEASURES = {  # intensity: its name in damage models
 }
 
 
-def _demand_table(result: StudyResult) -> "pd.DataFrame":
-    """Return the completed runs as a demand sample of pelicun, the row of units first."""
-    period = result.study.factors.scale.period or 0.0
-    completed = result.table[result.table[OUTCOME] == COMPLETED]
+class Exported(NamedTuple):
+    """What the files of a study for pelicun do not have, in sentences."""
+
+    without_curve: list[str]  # components without a fragility curve that can be used
+    not_in_demand: list[str]  # runs that did not complete, for each file of demands
+
+
+def _demand_table(runs: "pd.DataFrame", names: Sequence[str], period: float) -> "pd.DataFrame":
+    """Return columns of runs as a demand sample of pelicun, the row of units first."""
     columns: dict[str, list[Any]] = {}
-    for name, (kind, unit) in DEMANDS.items():
-        if name in completed and completed[name].notna().all():
-            head = f"1-{kind.format(period=period)}-1-1"
-            columns[head] = [unit, *completed[name].tolist()]
-    return pd.DataFrame(columns, index=["Units", *map(str, range(len(completed)))])
+    for name in names:
+        kind, unit = DEMANDS[name]
+        if name in runs and runs[name].notna().all():
+            columns[f"1-{kind.format(period=period)}-1-1"] = [unit, *runs[name].tolist()]
+    return pd.DataFrame(columns, index=["Units", *map(str, range(len(runs)))])
+
+
+def _describe_missing(table: "pd.DataFrame", file: str) -> str:
+    """Return which runs are not in a file of demands, and why; "" if all are there."""
+    outcomes = table.loc[table[OUTCOME] != COMPLETED, OUTCOME].astype(str).value_counts()
+    if outcomes.empty:
+        return ""
+    reasons, failed = joined(f"{n} {name}" for name, n in outcomes.items()), int(outcomes.sum())
+    verb, piers = ("is", "its pier") if failed == 1 else ("are", "their piers")
+    if list(outcomes.index) == [PIER_BEYOND_LIMIT]:
+        reasons = f"{piers} exceeded a limit"
+    return f"{failed} of {len(table)} runs {verb} not in {file}: {reasons}"
 
 
 def _damage_row(name: str, curve: Fragility, demand: str, unit: str) -> dict[str, Any]:
@@ -231,20 +248,22 @@ def write_pelicun(
     *,
     capacities: Mapping[str, float] | None = None,
     overwrite: bool = False,
-) -> list[str]:
-    """Write a study for pelicun; return the components without a fragility curve to be used.
+) -> Exported:
+    """Write a study for pelicun; return what its files do not have.
 
     Each combination of structure, bearing and temperature has a file `demand-NAME.csv` of its
-    completed runs; `damage.csv` has a component for each combination and capacity, `Incomplete`
-    where its own runs contradict the curve, which is returned too. `capacities` are by column of
-    the demand, by default that of the question; without any there is no `damage.csv`.
+    completed runs, and `intensity-NAME.csv` with the intensity of all its runs, since fragility
+    curves count failed ones too. `damage.csv` has a component for each combination and capacity,
+    `Incomplete` where its own runs contradict the curve, which is returned too. `capacities` are
+    by column of the demand, by default that of the question; without any there is no `damage.csv`.
     """
     question = result.question
     if capacities is None:
         capacities = {} if question.capacity is None else {result.demand_name: question.capacity}
     scale = result.study.factors.scale
-    demand = MEASURES[scale.measure].format(period=scale.period or 0.0)
-    files, rows, without_curve = {}, [], []
+    period = scale.period or 0.0
+    demand = MEASURES[scale.measure].format(period=period)
+    groups: dict[str, StudyResult] = {}
     levels = result.study.factors.ambient.levels is not None
     for part, runs in result.parts().items():
         temperatures = sorted(set(runs.table[AMBIENT])) if levels else [None]
@@ -252,23 +271,33 @@ def write_pelicun(
             group_runs = runs if ambient is None else runs.select(**{AMBIENT: ambient})
             label = "" if ambient is None else f"{ambient:g}degC".replace("-", "minus")
             name = "-".join(word for word in (part, label) if word) or result.study.name
-            files[f"demand-{name}"] = _demand_table(group_runs).to_csv(lineterminator="\n")
-            for column, capacity in capacities.items():
-                curve = group_runs.fragility(
-                    capacity, column, method=question.method, failed=question.failed
-                )
-                component = f"{name}.{column}.{capacity:g}".replace("-", "_")
-                if curve.beyond_levels:
-                    without_curve.append(f"{component}: {curve.beyond_levels}")
-                elif np.isfinite(curve.dispersion) and curve.dispersion > 0.0:
-                    unit = DEMANDS[result.intensity][1]
-                    rows.append(_damage_row(component, curve, demand, unit))
-                    if curve.misfit:
-                        without_curve.append(f"{component} that can be used: {curve.misfit}")
-                else:
-                    without_curve.append(f"{component}: {curve.row()['sentence']}")
-    names = file_names(files)
-    texts = dict(zip(names, files.values(), strict=True))
+            groups[name] = group_runs
+    files, rows, exported = {}, [], Exported([], [])
+    for name, file, group_runs in zip(groups, file_names(groups), groups.values(), strict=True):
+        table = group_runs.table
+        completed = table[table[OUTCOME] == COMPLETED]
+        computed = table[~table[OUTCOME].isin(NEVER_RUN)]
+        files[f"demand-{file}"] = _demand_table(completed, list(DEMANDS), period)
+        files[f"intensity-{file}"] = _demand_table(computed, [result.intensity], period)
+        exported.not_in_demand.extend(
+            filter(None, [_describe_missing(table, f"demand-{file}.csv")])
+        )
+        for column, capacity in capacities.items():
+            curve = group_runs.fragility(
+                capacity, column, method=question.method, failed=question.failed
+            )
+            component = f"{name}.{column}.{capacity:g}".replace("-", "_")
+            if curve.beyond_levels:
+                exported.without_curve.append(f"{component}: {curve.beyond_levels}")
+            elif np.isfinite(curve.dispersion) and curve.dispersion > 0.0:
+                unit = DEMANDS[result.intensity][1]
+                rows.append(_damage_row(component, curve, demand, unit))
+                if curve.misfit:
+                    unusable = f"{component} that can be used: {curve.misfit}"
+                    exported.without_curve.append(unusable)
+            else:
+                exported.without_curve.append(f"{component}: {curve.row()['sentence']}")
+    texts = {stem: table.to_csv(lineterminator="\n") for stem, table in files.items()}
     if rows:
         texts["damage"] = pd.DataFrame(rows).to_csv(index=False, lineterminator="\n")
     try:
@@ -277,4 +306,4 @@ def write_pelicun(
         raise OutputError(f"{folder}: cannot be made: {error.strerror}") from None
     for stem, text in texts.items():
         write_file(Path(folder) / f"{stem}.csv", text, overwrite=overwrite)
-    return without_curve
+    return exported
