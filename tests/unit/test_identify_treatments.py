@@ -1,5 +1,6 @@
 """What was done to records before their fit: numbers in summaries, and the words of documents."""
 
+import hashlib
 import re
 from pathlib import Path
 
@@ -8,8 +9,10 @@ import pytest
 
 import thermobearing as tb
 from thermobearing.cyclic.tables import measured_table
-from thermobearing.identify.comparison import LIMITS, limit_source
-from thermobearing.identify.fit.forward import ForwardModel
+from thermobearing.identify.comparison import LIMITS, Comparison, limit_source
+from thermobearing.identify.fit.forward import ForwardModel, Prediction
+from thermobearing.identify.fit.parameters import parameter_set
+from thermobearing.identify.fit.problem import Problem
 from thermobearing.identify.misfit import FORCE, describe_differences
 from thermobearing.identify.records.checks import check_test
 from thermobearing.identify.records.measured import _draw_loops, measure_cycles
@@ -172,3 +175,96 @@ def test_measured_strains_are_one_number(cut: TestRecord, tmp_path: Path) -> Non
 def test_limits_of_errors_have_a_source() -> None:
     assert limit_source("K_eq", LIMITS["K_eq"]) != limit_source("K_eq", 0.1)
     assert limit_source("energy", 0.15) == limit_source("K_eq", 0.1)
+
+
+SENSOR = "Gummi 1 [°C]"
+TITLES = ["time [s]", "displacement [mm]", "force [kN]", "Kammer [°C]", SENSOR]
+WARMING = 6.0  # of the sensor over the test [K]
+
+
+def with_cells(
+    folder: Path, record: TestRecord, cells: dict[int, dict[int, str]], keys: str = ""
+) -> Path:
+    """Write a record with chamber and thermocouple; `cells` replaces texts by column and sample."""
+    rise = WARMING * np.arange(len(record.time)) / (len(record.time) - 1)
+    columns = [record.time, record.displacement, record.force, 23.0 + 0.0 * rise, 23.0 + rise]
+    texts = [[f"{value:.6f}" for value in values] for values in columns]
+    for column, changed in cells.items():
+        for sample, text in changed.items():
+            texts[column][sample] = text
+    rows = [";".join(TITLES), *(";".join(row) for row in zip(*texts, strict=True))]
+    file = folder / "gaps.csv"
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    sidecar = f'{keys}\n[thermocouples]\n"{SENSOR}" = "rubber 1"\n'
+    file.with_suffix(".toml").write_text(sidecar, encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize("text", ["", "NaN", "nan", "---", "--", "-", "n/a", "NA", "#N/V", "#N/A"])
+def test_missing_temperatures_are_left_out_and_counted(
+    tmp_path: Path, smooth: TestRecord, text: str
+) -> None:
+    """Three readings of a thermocouple and two of the chamber, its first one among them."""
+    gaps = {4: {7: text, 100: text, 101: text}, 3: {0: text, 50: text}}
+    file = with_cells(tmp_path, smooth, gaps)
+    record = tb.load_test(file)
+    sensor = record.temperatures[SENSOR]
+    assert np.flatnonzero(np.isnan(sensor)).tolist() == [7, 100, 101]
+    assert (record.ambient, record.air_offset) == (23.0, 0.0)
+    assert record.digests[str(file)] == hashlib.sha256(file.read_bytes()).hexdigest()
+    found = [f.sentence for f in check_test(record).findings if f.check == "gaps"]
+    assert [re.findall(r"\d+ readings|line \d+", one) for one in found] == [
+        ["2 readings", "line 2"],
+        ["3 readings", "line 9"],
+    ]
+    treated = summary(record)
+    counts = treated["treatment"]["missing_readings"]
+    assert counts[SENSOR] == {"readings": 3, "filled": False}
+    assert counts["Kammer [°C]"] == {"readings": 2, "filled": True}
+    (sentence,) = describe_treatments([treated])
+    assert f"3 missing readings of {SENSOR}" in sentence
+    assert "missing_readings" in {c.name for c in treatment_table([treated]).columns}
+    notes = measure_cycles(file, tb.load_bearing("shen-hdr-specimen")).notes
+    assert set(found) <= set(notes)
+
+
+def test_a_comparison_leaves_missing_readings_out(tmp_path: Path, smooth: TestRecord) -> None:
+    """A model that is 1 K too warm is 1 K too warm, and a calibration sees no error in a gap."""
+    record = tb.load_test(with_cells(tmp_path, smooth, {4: {0: "---", 200: "---", 201: ""}}))
+    sensor = record.temperatures[SENSOR]
+    ramp = 23.0 + WARMING * np.arange(len(sensor)) / (len(sensor) - 1)
+    prediction = Prediction(record.force, {SENSOR: ramp + 1.0})
+    (row,) = Comparison(record, "b", "m", 100.0, prediction).thermocouples
+    assert row["rms_difference_K"] == pytest.approx(1.0, abs=1e-5)
+    assert row["rise_error"] == pytest.approx(0.0, abs=1e-5)
+    bearing = tb.load_bearing("shen-hdr-specimen")
+    pset = parameter_set(bearing, ["K_r"], [])
+    problem = Problem([record], pset, temperatures=True)
+    (weight,) = problem.weights
+    rows = problem._weighted(record, weight, prediction)
+    parts = rows[len(sensor) :]
+    assert np.flatnonzero(parts == 0.0).tolist() == [0, 200, 201]
+    short, _ = treat(record).to_fit(np.zeros(len(sensor), dtype=bool))
+    assert np.isnan(short.temperatures[SENSOR]).sum() <= 3
+
+
+def test_too_many_missing_readings_are_refused(tmp_path: Path, smooth: TestRecord) -> None:
+    """More than half of the samples, or a gap of more than a tenth of the test."""
+    count = len(smooth.time)
+    half = dict.fromkeys(range(1, count, 2), "") | dict.fromkeys(range(0, count, 4), "")
+    long = dict.fromkeys(range(20, 20 + count // 9), "")
+    allowed = dict.fromkeys(range(20, 20 + count // 11), "")
+    for cells, line in ((half, "line 2"), (long, "line 22")):
+        with pytest.raises(tb.InputError) as refused:
+            tb.load_test(with_cells(tmp_path, smooth, {4: cells}))
+        for piece in ("gaps.csv", line, SENSOR, str(len(cells)), "[thermocouples]"):
+            assert piece in str(refused.value)
+        with pytest.raises(tb.InputError, match="ambient = "):
+            tb.load_test(with_cells(tmp_path, smooth, {3: cells}))
+        # A stated temperature is the cure; the column of the chamber is then left out.
+        stated = with_cells(tmp_path, smooth, {3: cells}, 'ambient = "23 degC"')
+        assert any(line in text for text in tb.load_test(stated).assumptions)
+    assert tb.load_test(with_cells(tmp_path, smooth, {4: allowed})).gaps[0].missing == len(allowed)
+    for column in (1, 2):
+        with pytest.raises(tb.InputError, match=r"line 9, .*only temperatures"):
+            tb.load_test(with_cells(tmp_path, smooth, {column: {7: "---"}}))

@@ -458,8 +458,12 @@ def test_a_chamber_in_one_word_is_the_ambient(tmp_path: Path, title: str) -> Non
 )
 def test_23_is_not_assumed_against_a_column(tmp_path: Path, title: str, values: Any) -> None:
     file = chamber_file(tmp_path, title, values)
-    with pytest.raises(tb.InputError, match=f'"{title.replace("[", ".").replace("]", ".")}"'):
+    with pytest.raises(
+        tb.InputError, match=f'"{title.replace("[", ".").replace("]", ".")}"'
+    ) as why:
         load_test(file)
+    # A column that varies by more than a chamber does is not offered: it would be refused next.
+    assert ("Set ambient" in str(why.value)) == (np.ptp(values) == 0.0)
     (item,) = tb.inspect_files(file).files
     assert item.report.outcome == "refused"
     assert item.summary()["ambient_degC"] is None

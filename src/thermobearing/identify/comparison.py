@@ -1,5 +1,6 @@
 """A test compared with a model at its samples: force, cycles and thermocouples."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -15,7 +16,7 @@ from thermobearing.identify.records.record import TestRecord
 from thermobearing.quantities.governing import largest_by
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import Row, names_by_sentence
-from thermobearing.tables.guess import initial_temperature
+from thermobearing.tables.gaps import initial_temperature
 
 LEAST_RISE = 0.5  # [K]: relative errors of smaller temperature rises are not reported
 # Sides of a loop that each error of the table takes into account.
@@ -80,8 +81,7 @@ class Comparison:
         rows: list[dict[str, Any]] = []
         if self.prediction is None:
             return rows
-        for title, test in self.record.temperatures.items():
-            model = self.prediction.temperatures[title]
+        for title, test, model in self.compared_temperatures():
             begin, begin_model = map(initial_temperature, (test, model))
             rise, modelled = float(test.max()) - begin, float(model.max()) - begin_model
             rows.append(
@@ -110,12 +110,21 @@ class Comparison:
         errors: list[Floats] = []
         if self.prediction is None:
             return NAN
-        for title, test in self.record.temperatures.items():
-            rise, model = test - initial_temperature(test), self.prediction.temperatures[title]
+        for _, test, model in self.compared_temperatures():
+            rise = test - initial_temperature(test)
             if rise.max() > 0.0:
                 errors.append((model - initial_temperature(model) - rise) / rise.max())
         # An empty array first: concatenate refuses an empty list.
         return _worst(np.concatenate([np.zeros(0), *errors]).tolist())
+
+    def compared_temperatures(self) -> Iterator[tuple[str, Floats, Floats]]:
+        """Yield title, readings and model [degC] of each thermocouple, without missing readings."""
+        if self.prediction is None:
+            return
+        for title, test in self.record.temperatures.items():
+            read = ~np.isnan(test)
+            if read.any():
+                yield title, test[read], self.prediction.temperatures[title][read]
 
     @property
     def errors(self) -> dict[str, float]:

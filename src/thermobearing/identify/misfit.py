@@ -12,7 +12,7 @@ from thermobearing.identify.records.checks import CheckReport
 from thermobearing.identify.records.cycles import estimate_noise
 from thermobearing.quantities.governing import largest_by
 from thermobearing.quantities.words import number, percent
-from thermobearing.tables.guess import initial_temperature
+from thermobearing.tables.gaps import initial_temperature
 
 FORCE = "force"
 # Time constants of sensors [s]: a bare junction in rubber has a tenth, one in a tube a minute.
@@ -64,15 +64,17 @@ def measure_differences(
         if len(residual):
             centred = residual - residual.mean()
             differences.append(_difference(record.name, FORCE, "kN", centred, noise, scale))
-        for title, test in record.temperatures.items():
-            model, begin = fit.prediction.temperatures[title], initial_temperature(test)
+        for title, test, model in fit.compared_temperatures():
+            begin = initial_temperature(test)
             rise = float((test - begin).max())
             if rise > 0.0:
                 courses = model - initial_temperature(model) - (test - begin)
                 # Of all samples: those in rests are means, which have less noise.
-                noise = estimate_noise(check.record.temperatures.get(title, test))
+                sampled = check.record.temperatures.get(title, test)
+                noise = estimate_noise(sampled[~np.isnan(sampled)])
                 difference = _difference(record.name, title, "K", courses, noise, rise)
-                lag, share = fit_lag(record.time, model, test)
+                read = ~np.isnan(record.temperatures[title])
+                lag, share = fit_lag(record.time[read], model, test)
                 differences.append(replace(difference, lag=lag, by_lag=share))
     return differences
 

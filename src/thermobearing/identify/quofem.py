@@ -232,7 +232,10 @@ def _problem(table: dict[str, Any]) -> Problem:
         bad[np.array(test.pop("clipped"), dtype=np.int64)] = True
         clipped.append(bad)
         samples: dict[str, Any] = {name: np.array(test[name]) for name in SAMPLES}
-        samples["temperatures"] = {k: np.array(v) for k, v in test["temperatures"].items()}
+        samples["temperatures"] = {
+            title: np.array(readings, dtype=np.float64)  # null is a missing one
+            for title, readings in test["temperatures"].items()
+        }
         records.append(TestRecord(**(test | samples)))
     for record in records:
         lengths = {len(getattr(record, name)) for name in SAMPLES}

@@ -535,7 +535,7 @@ def _range_of_law(identification: "Identification") -> TemperatureLaw | None:
 def _rubber_temperatures(identification: "Identification") -> list[float]:
     """Return the highest temperature [degC] of each thermocouple in the rubber of the tests."""
     return [
-        float(values.max())
+        float(np.nanmax(values))
         for record in identification.records
         for title, values in record.temperatures.items()
         if record.places[title].startswith("rubber")

@@ -38,7 +38,8 @@ OF_ALL_RECORDS = (
 def treatment_table(records: Sequence[Row]) -> Table:
     """Return the treatment of each record before its fit: noise, turns, rests, spikes, drift."""
     rows = []
-    for record in records:
+    gaps = [_missing_readings(record.get("treatment") or {}) for record in records]
+    for record, missing in zip(records, gaps, strict=True):
         treatment = record.get("treatment") or {}
         removed = treatment.get("drift_removed", [])
         drift = [
@@ -62,6 +63,7 @@ def treatment_table(records: Sequence[Row]) -> Table:
                 "spikes": f"{spikes}, removed" if treatment.get("spikes_removed") else spikes,
                 "drift_of_zero": "; ".join(drift) or "none",
                 "offset_and_sign": ", ".join(steps) or "nothing",
+                **({"missing_readings": "; ".join(missing) or "none"} if any(gaps) else {}),
                 "columns_not_used": ", ".join(record.get("unused_columns", [])),
             }
         )
@@ -137,7 +139,7 @@ def _treatment_words(treatment: Row, weights: Sequence[str]) -> str:
 
 def _treatment_steps(treatment: Row) -> list[str]:
     """Return the steps of the treatment of a record, in the words of a sentence."""
-    steps = [*_subtracted(treatment), *_reversed(treatment)]
+    steps = [*_subtracted(treatment), *_reversed(treatment), *_missing_readings(treatment)]
     if treatment.get("spikes_removed"):
         for name, count in treatment["spikes"].items():
             steps += [f"{counted(count, 'spike')} of the {name} removed"] if count else []
@@ -166,6 +168,15 @@ def _subtracted(treatment: Row) -> list[str]:
 def _reversed(treatment: Row) -> list[str]:
     """Return whether the sign of the force was reversed, in words."""
     return ["the sign of the force reversed"] if treatment.get("force_reversed") else []
+
+
+def _missing_readings(treatment: Row) -> list[str]:
+    """Return how many readings of each temperature were missing, and how they were treated."""
+    return [
+        f"{counted(item['readings'], 'missing reading')} of {title} "
+        f"{'filled in time' if item['filled'] else 'left out'}"
+        for title, item in treatment.get("missing_readings", {}).items()
+    ]
 
 
 def _remainder(treatment: Row, name: str) -> str:

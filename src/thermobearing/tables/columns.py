@@ -24,6 +24,7 @@ from thermobearing.border.library import data_path
 from thermobearing.border.toml import read_toml
 from thermobearing.border.units import HUGEST, conversion
 from thermobearing.core.records import Floats
+from thermobearing.tables.gaps import is_missing
 from thermobearing.tables.text import (
     LARGEST_SHEET,
     LONGEST_NUMBER,
@@ -44,6 +45,7 @@ DATA = 0.5  # share of numeric cells from which a row counts as data
 USUAL = 200  # rows whose cells are counted
 UNITLESS = re.compile(r"[-–]*|[hHmMsSdDyY./: -]*[:/.][hHmMsSdDyY./: -]*f*")  # in a row of units
 DAY = 86400.0  # [s]
+ONLY_TEMPERATURES = "only temperatures of a test may have missing readings"
 _BRACKET = re.compile(r"^(?P<name>[^\[(（]*)[\[(（](?P<unit>[^\])）]*)[\])）]?$")
 _JOINED = re.compile(r"^(?P<name>.*[^\s_])_(?P<unit>[^_\d][^_]*)$")
 _APART = re.compile(r"^(?P<name>.*\S)(?:\s*[,:/]\s*|\s+)(?P<unit>\S+)$")
@@ -208,15 +210,27 @@ class Table(NamedTuple):
         """Return the text of the cells of a column."""
         return [row[column].strip() if column < len(row) else "" for _, row in self.rows]
 
-    def numbers(self, column: int, scale: float = 1.0, offset: float = 0.0) -> Floats:
-        """Return a converted column; an error names the line of the first cell without a number."""
+    def numbers(
+        self, column: int, scale: float = 1.0, offset: float = 0.0, *, gaps: bool = False
+    ) -> Floats:
+        """Return a converted column; an error names the line of the first cell without a number.
+
+        With `gaps`, missing readings are NaN.
+        """
         values = np.empty(len(self.rows))
         plain = self.sheet.plain
         for i, (line, row) in enumerate(self.rows):
+            cell = row[column] if column < len(row) else ""
             try:
-                values[i] = read_number(plain(row[column]) if column < len(row) else "")
+                values[i] = read_number(plain(cell))
             except InputError as error:
-                raise InputError(error.lines(f"line {line}, {self.titles[column]}")) from None
+                missing = is_missing(cell)
+                if gaps and missing:
+                    values[i] = math.nan
+                    continue
+                problems = error.lines(f"line {line}, {self.titles[column]}")
+                hint = f"; {ONLY_TEMPERATURES}" if missing else ""
+                raise InputError([f"{text}{hint}" for text in problems]) from None
         return values * scale + offset
 
 
@@ -486,9 +500,16 @@ def usable_table(sheet: Sheet, layout: Layout | None = None) -> Table:
 
 
 def list_columns(
-    table: Table, wanted: dict[str, str], optional: Collection[str], layout: Layout
+    table: Table,
+    wanted: dict[str, str],
+    optional: Collection[str],
+    layout: Layout,
+    gaps: Collection[str] = (),
 ) -> Columns:
-    """Return the wanted columns of a table, its parts and its unused titles; see `read_columns`."""
+    """Return the wanted columns of a table, its parts and its unused titles; see `read_columns`.
+
+    Missing readings of the columns in `gaps` are NaN.
+    """
     columns_by_name: dict[str, tuple[int, float, float]] = {}
     problems: list[str] = []
     for name, unit in wanted.items():
@@ -509,7 +530,7 @@ def list_columns(
             used_columns |= dates
             stamped = True
         else:
-            values[name] = table.numbers(column, scale, offset)
+            values[name] = table.numbers(column, scale, offset, gaps=name in gaps)
     unused = [
         title
         for n, title in enumerate(table.titles)

@@ -30,6 +30,7 @@ from thermobearing.tables.columns import (
     plain_unit,
     usable_table,
 )
+from thermobearing.tables.gaps import fill_gaps, initial_temperature, is_missing
 from thermobearing.tables.text import LARGEST_FILE, Form, Sheet, is_stamp
 
 UNITS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}
@@ -40,7 +41,6 @@ SAMPLE = 20_000  # rows that are examined
 TITLE_BYTES = 10_000  # that hold the titles of a table
 MOST_PAIRED = 20  # columns without a recognised title that are compared in pairs
 ALONG = 0.3  # correlation of a force with the displacement, or more
-FIRST = 5  # samples from which the beginning of a temperature is taken: one has its noise
 EVEN = 0.5  # of the usual step: how much the steps of a clock may differ
 CALLED, WORD, UNIT = 4, 2, 1  # scores: full title, a word in it, unit
 # Evidence for a column without a recognised title.
@@ -81,6 +81,7 @@ class ColumnGuess:
     assumed: str = ""  # the unit assumed where the file states none
     begins: float | None = None  # of what may be a temperature [degC]
     question: str = ""  # why the column may be the temperature of the chamber
+    spread: float | None = None  # of what may be a temperature [K]
 
 
 @dataclass(frozen=True)
@@ -155,34 +156,32 @@ def guessed_columns(
     return [_described(column, taken, layout, places) for column in columns]
 
 
-def initial_temperature(values: Floats) -> float:
-    """Return where a temperature begins, as all messages and tables state it [degC]."""
-    return float(np.median(values[:FIRST]))
-
-
-def _describe_beginning(column: _Column) -> tuple[float | None, str]:
-    """Return where a temperature begins [degC], and why it may be that of the chamber.
+def _describe_beginning(column: _Column) -> tuple[float | None, str, float | None]:
+    """Return where a temperature begins [degC], why it may be that of the chamber, its range [K].
 
     A column counts if its title or its unit is one of temperatures. One without either counts if it
     is steady and below freezing, as no other column of a test is.
     """
     if column.values is None or column.empty or holds_word(column.name, "other"):
-        return None, ""
+        return None, "", None
     has_temperature_word = any(
         map(partial(holds_word, column.name), ("temperature", "constant", "ambient"))
     )
     if column.unit and column.target != "degC":
-        return None, ""
+        return None, "", None
     scale, offset = conversion(plain_unit(column.unit), "degC") if column.unit else (1.0, 0.0)
     values = scale * column.signal + offset
-    begin, steady = initial_temperature(values), bool(np.ptp(values) <= STEADY)
+    begin, spread = initial_temperature(values), float(np.ptp(values))
+    steady = spread <= STEADY
     words = f"stays at {begin:.4g} degC" if steady else f"begins at {begin:.4g} degC"
     if not (has_temperature_word or column.unit):
         cold = steady and PLAUSIBLE[0] <= begin <= FROST
-        return (begin, f"stays at {begin:.4g}, without a unit") if cold else (None, "")
+        why = f"stays at {begin:.4g}, without a unit"
+        return (begin, why, spread) if cold else (None, "", None)
     if KELVIN[0] <= begin <= KELVIN[1] and not column.unit:
-        return begin, f"begins at {begin:.4g}, which may be in kelvin (give its unit)"
-    return (begin, words) if PLAUSIBLE[0] <= begin <= PLAUSIBLE[1] else (None, "")
+        return begin, f"begins at {begin:.4g}, which may be in kelvin (give its unit)", spread
+    is_plausible = PLAUSIBLE[0] <= begin <= PLAUSIBLE[1]
+    return (begin, words, spread) if is_plausible else (None, "", None)
 
 
 def _constant_ambient(columns: list[_Column], taken: Taken, places: Mapping[str, str]) -> None:
@@ -294,7 +293,7 @@ def _examined(table: Table, number: int, layout: Layout) -> _Column:
     """Return a column with its numbers and its score for each quantity."""
     name, unit = table.names[number], table.units[number]
     cells = [row[number].strip() if number < len(row) else "" for _, row in table.rows[:SAMPLE]]
-    filled = [cell for cell in cells if cell]
+    filled = [cell for cell in cells if not is_missing(cell)]
     stamped = bool(filled) and is_stamp(filled[0])
     target = measured_in(unit) if unit else None
     values = None if stamped or not filled else _numbers(table, cells)
@@ -330,11 +329,12 @@ def _numbers(table: Table, cells: list[str]) -> Floats | None:
         try:
             values[k] = float(table.sheet.plain(cell).replace("_", "x"))
         except ValueError:
-            word_count += bool(cell)
+            word_count += not is_missing(cell)
     finite = np.isfinite(values)
     if word_count > 0.1 * len(cells) or not finite.any() or np.abs(values[finite]).max() > 1e12:
         return None
-    return np.asarray(np.interp(np.arange(len(values)), np.flatnonzero(finite), values[finite]))
+    places = np.arange(len(values), dtype=np.float64)
+    return fill_gaps(places, np.where(finite, values, np.nan))
 
 
 def _best_column(columns: list[_Column], quantity: str, taken: Taken) -> _Column | None:
@@ -433,5 +433,7 @@ def _described(
         quantity, reason = "strain", "a word in the title"
     else:
         quantity, reason = "numbers", "not needed for a test"
-    begin, question = (None, "") if quantity in UNITS else _describe_beginning(column)
-    return ColumnGuess(column.title, unit, quantity, reason, place, assumed, begin, question)
+    begin, question, spread = (None, "", None) if quantity in UNITS else _describe_beginning(column)
+    return ColumnGuess(
+        column.title, unit, quantity, reason, place, assumed, begin, question, spread
+    )

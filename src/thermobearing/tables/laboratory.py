@@ -30,6 +30,7 @@ from thermobearing.tables.columns import (
     usable_table,
 )
 from thermobearing.tables.conditioning import PLACE, Conditioning, Temperature
+from thermobearing.tables.gaps import Gaps, fill_gaps, measure_gaps
 from thermobearing.tables.guess import (
     ACROSS,
     AXIAL,
@@ -47,6 +48,7 @@ SHORTEST_STEP = 1e-4  # between samples whose clock is made from an assumed spee
 PERCENT = 10.0  # largest number from which a column of strains without a unit is in percent
 COLUMNS = {"time": "s", "displacement": "mm", "force": "kN", "ambient": "degC"}  # of a sidecar
 MOST_PARTS = 0.1  # of the rows of a table, as parts whose clock restarts
+LINE = "line of the file"  # the name of its number among the columns of a part
 KEY = "Key"  # head of the keys in the sheet that describes a test
 
 
@@ -217,6 +219,7 @@ class Readings:
     unused: list[str] = field(default_factory=list)  # titles of unused columns
     clock_restarts: bool = False  # in each block: pauses between them are unknown
     files: tuple[Path, ...] = ()  # all that were read: the sidecar, if any, and the tables
+    gaps: list[Gaps] = field(default_factory=list)  # missing readings of temperatures
 
     @property
     def displacement(self) -> Floats:
@@ -325,20 +328,52 @@ class _Reader:
             )
         common_names = [name for name in parts[0] if all(name in part for part in parts)]
         counts = [len(part["time"]) for part in parts]
-        places = {
-            c.title: c.place for c in recognised[0].columns if c.place and c.title in common_names
-        }
+        values = {name: np.concatenate([part[name] for part in parts]) for name in common_names}
+        numbers = np.repeat(np.arange(len(parts), dtype=np.int64), counts)
+        files = [file for file, _ in joins]
+        gaps = self._settle_gaps(values, numbers, files, recognised[0].columns)
+        places = {c.title: c.place for c in recognised[0].columns if c.place and c.title in values}
         return Readings(
             sidecar=self.sidecar.model_copy(update={"thermocouples": places}),
             file=self.path,
-            values={name: np.concatenate([part[name] for part in parts]) for name in common_names},
-            block=np.repeat(np.arange(len(parts), dtype=np.int64), counts),
+            values=values,
+            block=numbers,
             recognised=recognised[0],
             assumptions=list(dict.fromkeys(self.assumptions)),
             unused=list(dict.fromkeys(self.unused)),
             clock_restarts=clock_restarts,
             files=(self.path, *dict.fromkeys(file for file, _ in joins if not self._is_path(file))),
+            gaps=gaps,
         )
+
+    def _settle_gaps(
+        self, values: Part, block: Ints, files: list[Path], columns: list[ColumnGuess]
+    ) -> list[Gaps]:
+        """Return the missing readings of temperatures; fill those of the chamber in `values`.
+
+        Take the numbers of lines out of `values`, and a column with too many missing readings that
+        the test does not need. `files` are those of the blocks.
+        """
+        time, lines = values["time"], values.pop(LINE)
+        settled: list[Gaps] = []
+        for name in [name for name in values if np.isnan(values[name]).any()]:
+            chamber = name == "ambient"
+            title = next((c.title for c in columns if c.holds == name), name)
+            first = int(np.isnan(values[name]).argmax())
+            file = files[block[first]]
+            place = f"line {lines[first]:.0f}" + (f" of {file.name}" if len(set(files)) > 1 else "")
+            found = measure_gaps(title, place, time, values[name], chamber=chamber)
+            needed = self.sidecar.ambient is None if chamber else name in self.sidecar.thermocouples
+            if found.fault and needed:
+                raise InputError(found.fault, str(file))
+            if found.fault:
+                del values[name]
+                self.assumptions.append(f"not used: {found.fault}")
+                continue
+            if chamber:
+                values[name] = fill_gaps(time, values[name])
+            settled.append(found)
+        return settled
 
     def _is_path(self, file: Path) -> bool:
         """Return whether a file is that of the call: a table without a sidecar."""
@@ -360,7 +395,9 @@ class _Reader:
         layout, units_by_name = self._completed(tables[0], layout, recognised.columns)
         parts: list[Part] = []
         for table in tables:
-            columns = list_columns(table, units_by_name, self.optional, layout)
+            sensors = [name for name, unit in units_by_name.items() if unit == "degC"]
+            columns = list_columns(table, units_by_name, self.optional, layout, sensors)
+            columns.values[LINE] = np.array([float(line) for line, _ in table.rows])
             self.unused += columns.unused
             parts += self._parts(columns)
         unread = [
@@ -436,7 +473,8 @@ class _Reader:
             assumed = column.assumed
             if name not in COLUMNS:  # optional in a test
                 try:
-                    largest = np.abs(table.numbers(table.titles.index(column.title))).max()
+                    number, gaps = table.titles.index(column.title), bool(column.place)
+                    largest = np.abs(table.numbers(number, gaps=gaps)).max()
                 except InputError as error:
                     self.assumptions.append(f"not used: {error.problems[0]}")
                     continue

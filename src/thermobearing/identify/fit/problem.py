@@ -97,7 +97,8 @@ class Problem:
         rows = [weight * (error - np.average(error, weights=weight**2 + 1e-300))]
         if self.temperatures:
             for title, measured in record.temperatures.items():
-                error = predicted.temperatures[title] - measured
+                # A missing reading is no misfit.
+                error = np.nan_to_num(predicted.temperatures[title] - measured)
                 rows.append(np.sqrt(record.weight) * KELVIN_AS / KELVIN * error)
         return np.concatenate(rows)
 

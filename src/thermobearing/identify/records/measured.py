@@ -115,7 +115,7 @@ def measure_cycles(path: str | Path, bearing: Bearing) -> MeasuredCycles:
             sorted([*treatment.rests, *((k, k + 1) for k in unlogged)]),
         )
         removed = [f for f in describe_treatment(treatment) if f.level == "note"]
-        notes += [f.sentence for f in removed if f.check in ("spikes", "drift")]
+        notes += [f.sentence for f in removed if f.check in ("gaps", "spikes", "drift")]
     x = record.displacement
     cycles = cut_cycles(x, rests=rests)
     full = [cycle for cycle in cycles if cycle.ends != "incomplete"]

@@ -25,7 +25,8 @@ from thermobearing.cyclic.conditioning import filled
 from thermobearing.quantities.words import joined
 from thermobearing.results.ranges import Ends, largest_speed, reached_by
 from thermobearing.tables.conditioning import Conditioning
-from thermobearing.tables.guess import AXIAL, HeaderTemperature, initial_temperature
+from thermobearing.tables.gaps import Gaps, initial_temperature
+from thermobearing.tables.guess import AXIAL, HeaderTemperature
 from thermobearing.tables.laboratory import Readings, read_laboratory
 
 PARTS = 20  # of the test, in time: noise and a door that was opened are not drift
@@ -99,7 +100,7 @@ class TestRecord:
         starts at it, plus `start_offset`, and the test is named by it.
     air_offset : mean temperature of the chamber during the test, at which the faces of the bearing
         exchange heat, less `ambient` [K].
-    temperatures : samples of thermocouples [degC] by title, and
+    temperatures : samples of thermocouples [degC] by title, NaN where a reading is missing, and
     places : position of each of them, "rubber 1" (outer layer), ..., "lead".
     weight, first_cycle_weight : of this record in a calibration; of its first cycles in addition.
     cycle_balance : 0 uses forces as they are, 1 relative to the peak of their own cycle; between
@@ -129,6 +130,7 @@ class TestRecord:
     axial : the axial force, where it acts on the shear force of the model; None where it does not.
     stated_axial_force : axial force of the test [kN], whether it acts in the model or not: that of
         the sidecar, or the mean of its column; None where it is not stated.
+    gaps : missing readings of the chamber and of thermocouples.
     """
 
     __test__ = False  # not a test for pytest
@@ -164,6 +166,7 @@ class TestRecord:
     digests: dict[str, str] = field(default_factory=dict)
     axial: AxialRecord | None = None
     stated_axial_force: float | None = None
+    gaps: tuple[Gaps, ...] = ()
 
     def of_bearing(self, bearing: Bearing) -> "TestRecord":
         """Return the test without thermocouples at guessed places that a bearing does not have."""
@@ -179,6 +182,7 @@ class TestRecord:
             places={title: place for title, place in self.places.items() if title not in absent},
             temperatures={t: values for t, values in self.temperatures.items() if t not in absent},
             unused=(*self.unused, *sorted(absent - set(self.unused))),
+            gaps=tuple(item for item in self.gaps if item.title not in absent),
         )
 
     @property
@@ -320,6 +324,7 @@ def build_record(readings: Readings) -> TestRecord:
         },
         axial=_axial(readings),
         stated_axial_force=_stated_axial_force(readings),
+        gaps=tuple(readings.gaps),
         about={k: getattr(sidecar, k) for k in ABOUT if getattr(sidecar, k) not in ("", None)},
         **{name: getattr(sidecar, name) for name in SETTINGS},
     )
@@ -390,10 +395,19 @@ def _describe_unclear_ambient(readings: Readings) -> str:
         f'"{column.title}" {column.question}' for column in colder[:MOST_SHOWN]
     )
     statement = f"{texts[0]} is stated" if stated else "no ambient temperature is stated"
+    # Only a column that `_ambient` takes is offered: one in a specimen warms during the test.
+    steady = [column for column in colder if (column.spread or 0.0) <= STEADY]
+    if steady:
+        return (
+            f"{statement}, but column {column_texts}: is that the temperature of the chamber? Set "
+            f'ambient = "{steady[0].title}" in [columns] of the sidecar, or state '
+            'ambient = "... degC" there'
+        )
     return (
-        f"{statement}, but column {column_texts}: is that the temperature of "
-        f'the chamber? Set ambient = "{colder[0].title}" in [columns] of the sidecar, or state '
-        'ambient = "... degC" there'
+        f"{statement}, but column {column_texts} and then varies by {colder[0].spread:.3g} K or "
+        "more, as in a specimen that was in a chamber: state the temperature of the chamber when "
+        'the test begins, ambient = "... degC" in the sidecar, and the place of a thermocouple in '
+        "[thermocouples]"
     )
 
 
@@ -411,7 +425,8 @@ def _ambient(readings: Readings, assumptions: list[str]) -> float:
     if np.ptp(column) > STEADY:
         raise InputError(
             f"the ambient temperature ranges from {column.min():.3g} to {column.max():.3g} degC, "
-            "but a test has one: split the file by temperature, or state ambient",
+            'but a test has one: split the file by temperature, or state ambient = "... degC" in '
+            "the sidecar. A thermocouple in the specimen has its place in [thermocouples]",
             str(readings.file),
         )
     drift = _describe_drift(readings.values["time"], column) if "time" in readings.values else ""

@@ -8,7 +8,7 @@ from thermobearing.border.units import conversion
 from thermobearing.identify.records.limits import check_limits
 from thermobearing.identify.records.record import ASSUMED_AMBIENT, TestRecord
 from thermobearing.identify.records.treatment import Finding, note, refuse, warn
-from thermobearing.tables.guess import initial_temperature
+from thermobearing.tables.gaps import initial_temperature
 
 ZERO_DEGC = -conversion("K", "degC")[1]  # [K]
 
@@ -27,8 +27,8 @@ def check_thermocouples(record: TestRecord) -> Iterator[Finding]:
                 f"{title} starts at {begin:.4g} degC; in kelvin that would be "
                 f'{begin - ZERO_DEGC:.3g} degC: set units."{title}" = "K" in the sidecar',
             )
-        elif values.min() < limits.coldest or values.max() > limits.hottest:
-            ends = f"{values.min():.3g} to {values.max():.3g} degC"
+        elif np.nanmin(values) < limits.coldest or np.nanmax(values) > limits.hottest:
+            ends = f"{np.nanmin(values):.3g} to {np.nanmax(values):.3g} degC"
             message = f"{title} reads {ends}: is the sensor broken?"
             yield warn("thermocouple", message)
         elif record.conditioning is None and abs(begin - record.ambient) > limits.far_start:

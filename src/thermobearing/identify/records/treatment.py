@@ -35,6 +35,7 @@ from thermobearing.identify.records.record import PAUSE, TestRecord
 from thermobearing.identify.records.turns import measure_added_turns
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.words import counted, percent
+from thermobearing.tables.gaps import mean_reading
 
 Flags = NDArray[np.bool_]
 UNITS = {"displacement": "mm", "force": "kN"}
@@ -159,7 +160,7 @@ def _thin_rests(record: TestRecord, rests: list[tuple[int, int]]) -> tuple[TestR
         nodes = np.unique(np.rint(first + (last - first) * places).astype(np.int64))
         edges = [first, *((nodes[:-1] + nodes[1:] + 1) // 2).tolist(), last + 1]
         for values in columns.values():
-            values[nodes] = [values[a:b].mean() for a, b in pairwise(edges)]
+            values[nodes] = [mean_reading(values[a:b]) for a, b in pairwise(edges)]
         parts += [np.arange(next_sample, first), nodes]
         next_sample = last + 1
     kept = np.concatenate([*parts, np.arange(next_sample, len(record.time))])
@@ -235,6 +236,10 @@ class Treatment:
                 if offset
             },
             "force_reversed": self.record.reversed_force,
+            "missing_readings": {
+                item.title: {"readings": item.missing, "filled": item.chamber}
+                for item in self.record.gaps
+            },
         }
 
     def without_drifts(self) -> TestRecord:
@@ -411,6 +416,8 @@ def _drifts(record: TestRecord, cycles: list[Cycle]) -> dict[str, Drift]:
 def describe_treatment(treatment: Treatment) -> Iterator[Finding]:
     """Yield the findings; a warning where the user may remove something."""
     record = treatment.record
+    for item in record.gaps:
+        yield note("gaps", item.sentence)
     if treatment.rests:
         part = sum(last - first + 1 for first, last in treatment.rests) / len(record.time)
         are = "is" if len(treatment.rests) == 1 else "are"
