@@ -101,13 +101,21 @@ def test_statements_of_a_certificate(saved: SavedResult) -> None:
     certificate, report = build_certificate(saved), build_pieces(saved)
     assert certificate.answer[0].startswith("The parameters hold within")
     assert "strain rates of" in certificate.answer[0]
+    strains = [0.5, 0.5, 0.999, 1.0, 1.001, 1.749, 1.751]
+    cycle = saved.summary["records"][0]["cycles"][0]
+    cycles = [{**cycle, "amplitude_strain": strain} for strain in strains]
+    records = [{**item, "cycles": cycles} for item in saved.summary["records"]]
+    six = build_certificate(replace(saved, summary={**saved.summary, "records": records}))
+    assert "2 at 175 % and 3 at 100 % shear strain" in six.answer[0]
     narrowing = [text for text in certificate.answer if "would be less with one of" in text]
     (row,) = (row for row in saved.summary["posterior"]["predicted"] if row["quantity"] == "K_eq")
     best, lower, upper = (f"{row[name]:#.3g}" for name in ("best", "lower", "upper"))
     assert len(narrowing) == 1
     assert f"extrapolated beyond the tests: {best} kN/mm (95 %: {lower} to {upper})" in narrowing[0]
-    assert "largest amplitude (100 % shear strain) of warm" in narrowing[0]
+    assert "largest amplitude (100 % shear strain), in a test like warm at" in narrowing[0]
     assert narrowing[0] in report.tables["posterior"].note
+    assert "since the start" in report.tables["thermocouples"].note
+    assert "of the tests used" in " ".join(report.answer)
     for pieces in (certificate, report):
         basis = pieces.tables["parameters"].note
         assert "thickness of the rubber \N{PLUS-MINUS SIGN} 2 %" in basis

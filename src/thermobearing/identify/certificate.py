@@ -81,6 +81,7 @@ NOTE_LINE = 150  # letters of the small print below a table in one line of the p
 ABOUT = ["test", "use", "date", "ambient_degC"]
 ABOUT += ["cycles_found", "largest_strain", "largest_speed_mm_s", "R2", "K_eq_error", "h_eq_error"]
 ABOUT += ["temperature_error"]
+SAME_AMPLITUDE = 0.05  # by which cycles of one amplitude of a test may differ, relative
 
 
 def build_certificate(saved: SavedResult) -> Pieces:
@@ -103,7 +104,7 @@ def build_certificate(saved: SavedResult) -> Pieces:
     listed = [*summary["records"], *held_out.get("records", [])]
     tables = {"tests": _certified_tests(summary["records"], held_out.get("records", []))}
     identity = content.saved_identity(saved, "thermobearing.identify_bearing(...) in Python")
-    answer = [*_certified_range(bearing), *_certified_conditions(listed)]
+    answer = [*_certified_range(bearing, summary["records"]), *_certified_conditions(listed)]
     answer += [*_certified_held_out(held_out), *_certified_narrowing(summary)]
     answer += _certified_digests(saved, listed)
     answer += _certified_warnings(saved.warnings, _causes(summary))
@@ -394,7 +395,26 @@ def _certified_cycles(cycles: "pd.DataFrame", room: int) -> Table:
     return make_table(frame, names, caption, keys=3, note=" ".join(notes), keep_keys=True)
 
 
-def _certified_range(bearing: Row) -> list[str]:
+def _cycles_by_amplitude(records: Sequence[Row]) -> str:
+    """Return the cycles of at least a part EXTREME of the largest amplitude, in words.
+
+    Of the test that has most of them, such as "3 at 175 % and 3 at 100 %"; amplitudes that differ
+    by less than `SAME_AMPLITUDE` are one. Empty without full cycles.
+    """
+    counts: list[dict[float, int]] = []
+    for record in records:
+        strains = sorted((float(c["amplitude_strain"]) for c in record["cycles"]), reverse=True)
+        count: dict[float, int] = {}
+        for strain in strains:
+            if strain >= EXTREME * strains[0]:
+                amplitude = next((a for a in count if strain > (1.0 - SAME_AMPLITUDE) * a), strain)
+                count[amplitude] = count.get(amplitude, 0) + 1
+        counts.append(count)
+    most = max(counts, key=lambda count: sum(count.values()), default={})
+    return joined(f"{number} at {percent(strain)}" for strain, number in most.items())
+
+
+def _certified_range(bearing: Row, records: Sequence[Row]) -> list[str]:
     """Return a statement on the conditions that the parameters are valid for."""
     ranges = bearing.get("tested_range") or {}
     valid = valid_for(bearing)
@@ -404,9 +424,12 @@ def _certified_range(bearing: Row) -> list[str]:
     for name, ends in ranges.items():
         text = rounded_range(ends)
         if name == "cycles":
+            by_amplitude = _cycles_by_amplitude(records)
             conditions.append(
                 f"up to {rounded_range(ends[-1:])} cycles of at least {percent(EXTREME)} of the "
                 f"largest displacement without a pause of {REST / 60.0:g} min or more"
+                + f" (full cycles of a test: {by_amplitude} shear strain)"
+                * bool(by_amplitude)
             )
         elif name not in ("strain", "ambient", "strain_rate"):
             conditions.append(f"a {TESTS[name]} of {text}")

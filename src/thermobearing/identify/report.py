@@ -227,7 +227,12 @@ def cycles_table(cycles: "pd.DataFrame") -> Table:
 
 def thermocouples_table(rows: Sequence[Row]) -> Table:
     """Return the thermocouples of test and model."""
-    return make_table(pd.DataFrame(rows), caption="Thermocouples, model compared with test", keys=3)
+    note = (
+        "rms difference: of the temperatures, over all samples, with the difference at the start. "
+        "That of a misfit, if there is one, is of the rise since the start."
+    )
+    caption = "Thermocouples, model compared with test"
+    return make_table(pd.DataFrame(rows), caption=caption, keys=3, note=note if rows else "")
 
 
 def held_out_rows(rows: Sequence[Row]) -> list[dict[str, Any]]:
@@ -404,7 +409,7 @@ def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:
     ]
     sentences.append(
         f"The smallest R² of the force in a test is {_rounded_R2(min(r['R2'] for r in records))}. "
-        f"Single cycles are off by up to {joined(errors)}."
+        f"Single cycles of the tests used are off by up to {joined(errors)}."
     )
     if any(str(text).startswith(MISFIT) for text in summary["warnings"]):
         size = f": {summary['difference']}" if summary.get("difference") else ""

@@ -146,9 +146,9 @@ def _narrowing_note(band: Band, narrowing: Sequence[Narrowing], test: str) -> st
     unit = UNITS[item.quantity]
     best, lower, upper = (number(value, "#.3g") for value in (item.best, item.lower, item.upper))
     return (
-        f"{_main_words(band)} of {test} at {band.ambient:.4g} degC{extrapolated}: {best} {unit} "
-        f"(95 %: {lower} to {upper}). Half of this interval is {percent(item.half_width, 1)} of "
-        f"the value. It would be less with one of these: {options}"
+        f"{_main_words(band)}, in a test like {test} at {band.ambient:.4g} degC{extrapolated}: "
+        f"{best} {unit} (95 %: {lower} to {upper}). Half of this interval is "
+        f"{percent(item.half_width, 1)} of the value. It would be less with one of these: {options}"
     )
 
 
