@@ -370,6 +370,17 @@ def test_turned_pages_do_not_interrupt_the_upright_blocks_of_a_section() -> None
     assert _order("t1 H1 T1 H2 T2") == "t1 (H1 T1 H2 T2)"
 
 
+def test_tables_have_the_numbers_of_the_page_on_turned_pages_and_in_parts_too() -> None:
+    upright, broad = (many_columns(count).tables["wide"] for count in (3, 60))
+    pieces = dataclasses.replace(PIECES, tables={"a": upright, "b": broad, "c": upright})
+    laid_out = _laid_out(drawn(document(pieces, BLOCK, LOGO)), None)["blocks"]
+    blocks = [b for block in laid_out for b in block.get("blocks", [block])]
+    numbers = {b["number"] for b in blocks if b.get("caption", "").startswith("Wide (")}
+    assert len(numbers) == 1  # of all parts
+    others = [b["number"] for b in blocks if b.get("caption") == "Wide"]
+    assert others == [min(numbers) - 1, max(numbers) + 1]
+
+
 def test_histories_with_other_columns_have_a_sheet_of_their_own() -> None:
     other = History({"Motion": "c"}, COLUMNS[:1], np.arange(3.0).reshape(3, 1))
     assert list(_history_tables(HISTORIES | {"c": other})) == ["Histories 1", "Histories 2"]

@@ -9,6 +9,7 @@ import json
 import math
 import re
 import tempfile
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, replace
 from datetime import UTC, date, datetime
@@ -177,13 +178,16 @@ GAIN = 1.15  # by which it must be larger there
 def _laid_out(document: Document, folder: Path | None) -> Data:
     """Return what the typst source reads; pictures are written into a folder, if there is one."""
     blocks: list[Data] = []
-    level = 0
+    level, numbers = 0, Counter[type]()
     for number, block in enumerate(document.blocks):
         if isinstance(block, Heading):  # one level below the one before at most
             level = min(block.level, level + 1)
             blocks.append({"kind": "heading", "level": level, "runs": split_runs(block.text)})
         else:
-            blocks += _data(block, f"figure-{number}", folder, upright=document.close)
+            parts = _data(block, f"figure-{number}", folder, upright=document.close)
+            numbers[type(block)] += 1
+            # Parts of a table share its number, which is that in the page.
+            blocks += [part | {"number": numbers[type(block)]} for part in parts]
     title = document.block
     revision = f"revision {title['Revision']}" if "Revision" in title else ""
     return {
