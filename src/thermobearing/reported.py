@@ -22,6 +22,7 @@ from thermobearing.model.outcomes import PASSED_LIMITS, assumption_texts, heat_f
 from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import Quantity, format_number
 from thermobearing.quantities.tables import Table, make_table
+from thermobearing.quantities.validity import FAILED, NOT_MODELLED
 from thermobearing.quantities.words import joined, number, plain, printed_unit, quantity, tidy
 from thermobearing.report.content import RESIDUAL_LIMIT, RIG, input_table, limit_checks
 from thermobearing.report.pieces import (
@@ -289,7 +290,7 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     heads = {"what": "Check", "part": "Of", "run": "At", "value": "Value", "limit": "Limit"}
     heads |= {"unit": "Unit", "source": "Source of the limit", "verdict": "Verdict"}
     columns = [Quantity(head, name=name) for name, head in heads.items()]
-    marked = {"verdict": frame["verdict"].isin([checks.FAILED, checks.NOT_MODELLED]).tolist()}
+    marked = {"verdict": frame["verdict"].isin([FAILED, NOT_MODELLED]).tolist()}
     if any(marked["verdict"]):
         note = f"{note} Marked: limit exceeded, or outside the model.".strip()
     keys = 1 + ("part" in frame)

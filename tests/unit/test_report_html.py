@@ -286,6 +286,22 @@ def test_paths_keep_their_shape_and_turns():
     assert np.abs(np.diff(found_x)).max() < 0.1  # evenly along the way
 
 
+def test_a_page_has_its_own_words_for_plots_bands_and_failed_checks():
+    test = Trace("test", np.arange(3.0), np.arange(3.0), look="broad")
+    plot = lines(test)
+    figure = ReportFigure("Rise.", alt="Rise. 44 K.", plot=plot, plot_caption="Temperature.")
+    text = body(FigureBlock("t", figure))
+    assert "Temperature." in text
+    assert 'aria-label="Temperature. 44 K."' in text
+    assert '"look":"broad"' in text
+    assert figures.LOOKS["broad"]["linewidth"] > 1.1
+    columns = [Quantity("Check"), Quantity("Verdict")]
+    marked = frozenset({(0, 1), (1, 0)})
+    failed = table_text(Table("x", columns, [("strain", "NG"), ("force", "OK")], marked=marked))
+    assert "limit exceeded:</span> NG" in failed
+    assert "outside the calibration range:</span> force" in failed
+
+
 def test_paths_with_noise_keep_the_extremes_of_both_axes():
     """Noise turns the path at every point, so that its turns alone do not say where peaks are."""
     time = np.linspace(0.0, 20.0 * np.pi, 11_001)

@@ -1,15 +1,23 @@
 """Documents of bridges whose lines have their own bearings: marks, shading, notes."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 import thermobearing as tb
 from tests.unit.test_lines_and_piers import two_piers
 from thermobearing.border.schema import validated
 from thermobearing.border.toml import to_table
-from thermobearing.earthquake.answer import main_results, strength_note
+from thermobearing.earthquake.answer import (
+    NO_CAPACITY,
+    _governing_line,
+    main_results,
+    strength_note,
+)
 from thermobearing.earthquake.panels import select_part
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.earthquake.tables import console_tables
@@ -18,6 +26,7 @@ from thermobearing.quantities.tables import Table
 from thermobearing.report.pieces import MARK, Bullets, marked_note
 from thermobearing.report.template import ACTIONS, OF_RANGE, _actions
 from thermobearing.reported import model_assumptions, vertical_table
+from thermobearing.results import drawing
 from thermobearing.results.drawing import UNTESTED
 from thermobearing.structure.model import Structure
 
@@ -107,6 +116,40 @@ def beyond_tests(result: tb.EarthquakeResult, line: str) -> bool:
     data = select_part(result.dataset, "line", line)
     view = tb.EarthquakeResult(data)
     return bool(np.isfinite(view.tested_to(range(view.runs), "strain")))
+
+
+def test_captions_of_plots_are_those_of_the_page(own_bearings: tb.EarthquakeResult) -> None:
+    figures = build_pieces(own_bearings).figures
+    temperature, pier = figures["temperature"], figures["pier"]
+    assert "rise" in temperature.caption
+    assert "rise" not in temperature.plot_caption
+    assert "strong part" in pier.caption
+    assert "strong part" not in pier.plot_caption
+    for name in ("loops", "strain", "loops_2", "strain_2"):
+        figure = figures[name]
+        assert SHADED not in figure.plot_caption
+        dashed = "Dashed" in figure.plot_caption
+        assert dashed == (SHADED in figure.caption), name
+    assert "all compared bearings" not in figures["largest_loops"].caption
+
+
+def test_a_limit_of_zero_is_no_share() -> None:
+    row = {"part": "A1", "code": "", "what": "axial force", "limit": 0.0, "used": np.inf}
+    result = SimpleNamespace(bearing_checks=pd.DataFrame([row]))
+    reason = _governing_line(result, ["A1"]).reason  # type: ignore[arg-type]
+    assert NO_CAPACITY in reason
+    assert "inf" not in reason
+
+
+def test_the_hottest_after_the_end_of_a_panel_has_its_time(
+    own_bearings: tb.EarthquakeResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    heads: list[str] = []
+    monkeypatch.setattr(drawing, "note_values", lambda ax, head, *rest: heads.append(head))
+    for end in (-1.0, 1e9):
+        own_bearings.plot._rise(Figure().add_subplot(), "rubber", [0], end)
+    assert heads[0].startswith("hottest, at ")
+    assert heads[1] == "hottest"
 
 
 def test_figures_of_one_line_say_where_the_others_are(own_bearings: tb.EarthquakeResult) -> None:

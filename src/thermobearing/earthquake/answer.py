@@ -171,6 +171,9 @@ def largest_place(result: EarthquakeResult, column: str, part: str = "") -> tupl
     return float(table[column].iloc[place]), f"{_place_in_words(result, place, part)}{note}"
 
 
+NO_CAPACITY = "top and bottom no longer overlap"  # where a limit is zero
+
+
 class Shown(NamedTuple):
     """A bearing line or pier that figures show, and why."""
 
@@ -215,8 +218,9 @@ def _governing_line(result: EarthquakeResult, lines: Sequence[str]) -> Shown:
         checks = checks[checks["part"].isin(lines) & checks["limit"].notna()]
     if len(checks):
         check = checks.iloc[place_of_largest(checks["used"].astype(float))]
-        name = limit_name(check.to_dict())
-        use = f"uses most of an engineering limit ({percent(float(check['used']))}, {name})"
+        name, used = limit_name(check.to_dict()), float(check["used"])
+        share = percent(used) if np.isfinite(used) else NO_CAPACITY
+        use = f"uses most of an engineering limit ({share}, {name})"
         return Shown(str(check["part"]), use)
     rows = result.resultant.lines
     rows = rows[rows["line"].isin(lines)]

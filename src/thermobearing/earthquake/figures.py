@@ -331,8 +331,9 @@ class EarthquakeFigures(Panels):
         )
         highest = {"rubber": 0.0, "lead": 0.0}
         for ax, (bearing, name), motion in cells:
-            self._rise(ax, name, self._find_runs(bearing=bearing, motion=motion))
-            ax.set_xlim(*self._strong_part(self._find_runs(motion=motion)))
+            start, end = self._strong_part(self._find_runs(motion=motion))
+            self._rise(ax, name, self._find_runs(bearing=bearing, motion=motion), end)
+            ax.set_xlim(start, end)
             highest[name] = max(highest[name], ax.get_ylim()[1])
         for ax, (_, name), _ in cells:  # one scale for all rubber and one for all lead
             ax.set_ylim(-0.04 * highest[name], (1.0 + NOTE_ROOM) * highest[name])
@@ -345,9 +346,12 @@ class EarthquakeFigures(Panels):
         self._legend(figure, extra_entries=widths)
         return figure
 
-    def _rise(self, ax: Axes, name: str, runs: list[int]) -> None:
-        """Draw layers from thin (outer) to thick (innermost), or the lead, and their maxima."""
-        hottest = []
+    def _rise(self, ax: Axes, name: str, runs: list[int], end_of_panel: float) -> None:
+        """Draw layers from thin (outer) to thick (innermost), or the lead, and their maxima.
+
+        Maxima that come after the end of the panel [s] are printed with their times.
+        """
+        hottest, later = [], []
         for run in runs:
             time, values = self._values("time", run), self._values(f"{name}_temperature", run)
             values = values.reshape(len(time), -1)
@@ -360,12 +364,16 @@ class EarthquakeFigures(Panels):
                 look: drawing.Look = {"linewidth": width, "linestyle": self._line(run)}
                 ax.plot(time[kept], rise[kept, j], color=self._colour(run), alpha=0.8, **look)
             hottest.append(float(values.max()) if values.size else np.nan)
+            if values.size and (at := time[place_of_largest(values.max(axis=1))]) > end_of_panel:
+                later.append(float(at))
             end = self._result.tested_to([run], "lead_temperature")
             if name == "lead" and np.isfinite(end):
                 drawing.mark_tested(ax, end - float(values[0, 0]), "tested to here")
         texts = [f"{value:.0f}" for value in hottest]
         texts[-1] += " °C"
-        drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
+        ends = dict.fromkeys(f"{at:.0f}" for at in sorted(later)[:: max(len(later) - 1, 1)])
+        when = f", at {' to '.join(ends)} s" if later else ""
+        drawing.note_values(ax, f"hottest{when}", texts, [self._colour(run) for run in runs])
 
     def speed(self) -> Figure:
         """Return the loading speed of the bearing on its own clock, as Fig. 3.15.

@@ -5,7 +5,7 @@ import tomllib
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ from thermobearing.earthquake.answer import (
     strength_note,
 )
 from thermobearing.earthquake.case import EarthquakeAnalysis, in_weather, list_bearing_tables
-from thermobearing.earthquake.figures import EarthquakeFigures
+from thermobearing.earthquake.figures import MN_M, EarthquakeFigures
 from thermobearing.earthquake.measures import tested_rows, tested_to
 from thermobearing.earthquake.motions import given_motions_table
 from thermobearing.earthquake.panels import (
@@ -448,12 +448,17 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
     views = {"": result.resultant}
     views |= {direction: result.sel(direction=direction) for direction in result.directions}
     plots = {direction: _Plots(view) for direction, view in views.items()}
+    plot_captions = content.figure_captions("earthquake_plots")
+    several = result["bearing"].to_series().nunique() > 1
+    compared = ", with all compared bearings in one diagram" if several else ""
     shown: dict[str, list[Shown]] = dict.fromkeys(OF_LINES, governing_lines(result))
     pier = governing_pier(result)
     shown |= dict.fromkeys(OF_PIERS, [pier] if pier else [])
     figures = {}
     for name, caption in content.figure_captions("earthquake").items():
-        caption = caption.format(" and every ".join(result.part_kinds)) + _without(result, name)
+        caption = caption.format(" and every ".join(result.part_kinds), compared)
+        plot_caption = plot_captions.get(name, caption)
+        caption += _without(result, name)
         for direction, view in views.items():
             figure_name = f"{name}_{direction}" if direction else name
             if figure_name not in drawings:
@@ -461,34 +466,48 @@ def _report_figures(result: EarthquakeResult) -> dict[str, ReportFigure]:
             along = f" Direction {direction}, {ALONG[direction]}." if direction else ""
             for number, item in enumerate(shown.get(name, []), 1):
                 part = "line" if name in OF_LINES else "pier"
-                shaded = _shaded(view, name, item.name)
-                text = f"{caption}{shaded} {item.caption(part)}{along}"
+                limits = _limits(view, name, item.name)
+                shown_part = f" {item.caption(part)}{along}"
+                text = f"{caption}{limits.paper}{shown_part}"
                 figures[f"{figure_name}_{number}" if number > 1 else figure_name] = ReportFigure(
                     text,
                     draw=partial(getattr(view.plot, name), **{part: item.name}),
                     alt=text + _largest_drawn(view, name, item.name),
                     plot=plots[direction].convert(name, **{part: item.name}),
+                    plot_caption=f"{plot_caption}{limits.plot}{shown_part}",
                 )
             if figure_name not in figures:
-                shown_parts = _reported_parts(result, name)
-                text = f"{caption}{_shaded(view, name)}{shown_parts}{along}"
+                shown_parts = f"{_reported_parts(result, name)}{along}"
+                limits = _limits(view, name)
+                text = f"{caption}{limits.paper}{shown_parts}"
                 figures[figure_name] = ReportFigure(
                     text,
                     draw=drawings[figure_name],
                     alt=text + _largest_drawn(view, name),
                     plot=plots[direction].convert(name),
+                    plot_caption=f"{plot_caption}{limits.plot}{shown_parts}",
                 )
     return figures
 
 
-def _shaded(view: EarthquakeResult, name: str, line: str | None = None) -> str:
-    """Return whether a figure of the strain of a line shades what its tests do not cover."""
+class _Limits(NamedTuple):
+    """How a figure of paper and an interactive plot show the tested strain, as sentences."""
+
+    paper: str = ""
+    plot: str = ""
+
+
+def _limits(view: EarthquakeResult, name: str, line: str | None = None) -> _Limits:
+    """Return how a figure of the strain of a line shows what its tests do not cover."""
     if name not in STRAIN_AXES:
-        return ""
+        return _Limits()
     data = select_part(view.dataset, "line", line) if view.has_parts else view.dataset
     motions = list(dict.fromkeys(data["motion"].values.tolist()))[:MOST_COLUMNS]
     runs = [k for k, motion in enumerate(data["motion"].values.tolist()) if motion in motions]
-    return content.shaded_note([tested_to(EarthquakeResult(data), runs, "strain")])
+    shaded = content.shaded_note([tested_to(EarthquakeResult(data), runs, "strain")])
+    return _Limits(
+        shaded, " Dashed where it is exceeded: the largest tested strain." if shaded else ""
+    )
 
 
 def _reported_parts(result: EarthquakeResult, name: str) -> str:
@@ -582,9 +601,20 @@ class _Plots(EarthquakeFigures):
             if name in STRAIN_AXES and ax.lines:
                 line = view._select("line", part.get("line"))
                 end = 100.0 * line._result.tested_to(runs, "strain")
-                _mark_tested(ax, end, STRAIN_AXES[name])
+                _mark(ax, end, STRAIN_AXES[name], f"tested to {end:g} %", UNTESTED)
+            if name == "hinge" and ax.lines:
+                _mark(ax, *self._select("pier", part.get("pier"))._yield_moment(runs))
         plot = plot_from_axes(panels, self._handles())
         return plot if plot.choices else None
+
+    def _yield_moment(self, runs: list[int]) -> tuple[float, str, str, str]:
+        """Return the moment at first yielding [MN m], its axis, and name and colour of its line.
+
+        The hinge is the same in all runs: the first one that moved it gives the moment.
+        """
+        moments = [MN_M * point[1] for point in map(self._yield_point, runs) if point]
+        moment = abs(moments[0]) if moments else np.inf
+        return moment, "y", f"yields at {moment:.3g} MN m", drawing.GREY
 
     def _label(self, run: int) -> str:
         ambient = degrees([float(self._table["ambient_degC"][run])])
@@ -627,11 +657,11 @@ class _Plots(EarthquakeFigures):
         return Plot(*titles, choices, slider=entries, slider_title="time")
 
 
-def _mark_tested(ax: Axes, end: float, axis: str) -> None:
-    """Draw lines at the tested strain [%] to either side, as long as the data, where exceeded."""
+def _mark(ax: Axes, end: float, axis: str, label: str, colour: str) -> None:
+    """Draw lines at a limit of an axis to either side, as long as the data; none at infinity."""
     if np.isfinite(end):
         low, high = ax.dataLim.intervaly if axis == "x" else ax.dataLim.intervalx
         # Two lines in one, which NaN separates.
         limits, extent = [end, end, np.nan, -end, -end], [low, high, np.nan, low, high]
         points = (limits, extent) if axis == "x" else (extent, limits)
-        ax.plot(*points, "--", color=UNTESTED, label=f"tested to {end:g} %")
+        ax.plot(*points, "--", color=colour, label=label)

@@ -465,7 +465,7 @@ def _certified_loops(saved: SavedResult, height: float) -> ReportFigure:
         groups = _samples_of_tests(saved)
         figure, axes = drawing.panels(1, len(groups), (7.0, height), "")
         for ax, (title, rows) in zip(axes, groups, strict=True):
-            for (_, column, colour), width in zip(LOOPS, LOOP_WIDTHS, strict=True):
+            for (_, column, colour, _), width in zip(LOOPS, LOOP_WIDTHS, strict=True):
                 ax.plot(rows["displacement_mm"], rows[column], color=colour, linewidth=width)
             drawing.name_axes(ax, "displacement [mm]", "force [kN]", title)
         return figure

@@ -75,7 +75,11 @@ CONDITIONS += [
 CONDITIONS += ["thermocouples"]
 BRIEF = ["symbol", "unit", "estimate", "standard_error", "interval_lower", "interval_upper"]
 BRIEF += ["determined"]
-LOOPS = (("test", "force_kN", "#9aa4b1"), ("model", "model_force_kN", "#CC3311"))
+# Of the page: name, column, colour and look.
+LOOPS = (
+    ("test", "force_kN", "#9aa4b1", "broad"),
+    ("model", "model_force_kN", "#CC3311", "line"),
+)
 CYCLE_MEASURES = ("G_eq_error", "h_eq_error", "energy_error", "force_max_error")
 
 
@@ -371,20 +375,21 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
     figures = content.saved_figures(saved, "identify")
     if "fit" not in saved.tables:
         return figures
+    names = [str(record["name"]) for record in saved.summary["records"]]
     choices = {
-        str(saved.summary["records"][int(str(k))]["name"]): [
-            loop_trace(name, rows, column, colour) for name, column, colour in LOOPS
-        ]
+        names[int(str(k))]: [loop_trace(rows, *loop) for loop in LOOPS]
         for k, rows in saved["fit"].groupby("record", sort=False)
     }
     plot = Plot("displacement [mm]", "force [kN]", choices)
     return content.with_plot(figures, "loops", plot, "identify")
 
 
-def loop_trace(name: str, rows: "pd.DataFrame", column: str, colour: str) -> Trace:
+def loop_trace(
+    rows: "pd.DataFrame", name: str, column: str, colour: str, look: str = "line"
+) -> Trace:
     """Return the loops of a column of fit.csv as a line of a plot."""
     x, force = (rows[heading].to_numpy(dtype=float) for heading in ("displacement_mm", column))
-    return Trace(name, x, force, colour)
+    return Trace(name, x, force, colour, look)
 
 
 def _answer(summary: Row, bearing: Row, checks: list[Check]) -> list[str]:

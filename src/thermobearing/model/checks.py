@@ -26,11 +26,11 @@ from thermobearing.model.axial import (
 from thermobearing.model.element import BearingElement
 from thermobearing.model.outcomes import temperature_limits
 from thermobearing.quantities.governing import largest_by, place_of_largest, place_of_least
+from thermobearing.quantities.validity import FAILED, NOT_MODELLED
 from thermobearing.quantities.warned import EXCEEDED, UNTESTED, Warned
 
-PASSED, FAILED = "OK", "NG"
+PASSED = "OK"
 NO_LIMIT, NO_VALUE = "limit not available", "demand not available"
-NOT_MODELLED = "outside the model"
 TOO_FEW = "OK, with too few motions"
 STEPS, STEP = 200, 0.005  # of the loading to 100 % shear strain: number and length [s]
 

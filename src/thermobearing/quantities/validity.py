@@ -12,6 +12,8 @@ from thermobearing.border.lazy import pd
 from thermobearing.quantities.tables import Table
 
 VALID_UNTIL: Final = "valid_until_s"  # column: when a run first became unstable; else NaN
+FAILED: Final = "NG"  # verdict of a check whose limit is exceeded
+NOT_MODELLED: Final = "outside the model"  # verdict of a check without a model for the value
 NOTE: Final = 'Marked: of unstable runs; values later than "Valid until" are no results.'
 
 

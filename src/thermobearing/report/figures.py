@@ -124,6 +124,7 @@ MOST_PANELS, MOST_FRAMES = 6, 8  # of a plot on paper
 NO_MARKER = (None, "None", "none", "", " ")
 LOOKS: Mapping[str, dict[str, Any]] = {
     "line": {"linestyle": "-"},
+    "broad": {"linestyle": "-", "linewidth": 4.0},
     "dashed": {"linestyle": "--"},
     "points": {"linestyle": "none", "marker": "o"},
     "line with points": {"linestyle": "-", "marker": "o"},
@@ -224,7 +225,8 @@ def _evenly(count: int, most: int) -> list[int]:
 
 def _draw_trace(ax: Axes, plot: Plot, trace: Trace, handles: dict[str, Line2D]) -> None:
     """Draw a line, or some frames of one that a slider moves."""
-    look = {**LOOKS[trace.look], "linewidth": 1.1, "markersize": 3.0, "color": trace.colour}
+    look: drawing.Look = {"linewidth": 1.1, "markersize": 3.0, "color": trace.colour}
+    look |= LOOKS[trace.look]
     moving = trace.frames is not None or trace.frames_x is not None
     places = _evenly(len(plot.slider), MOST_FRAMES) if moving else [0]
     for order, place in enumerate(places, 1):

@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from thermobearing.border.library import data_path
 from thermobearing.quantities.tables import Table, is_number
-from thermobearing.quantities.validity import NOTE
+from thermobearing.quantities.validity import FAILED, NOT_MODELLED, NOTE
 from thermobearing.report.figures import page_picture, picture_size, plot_json, points_each
 from thermobearing.report.markdown import sentence_reader
 from thermobearing.report.pieces import (
@@ -40,6 +40,7 @@ from thermobearing.report.pieces import (
 )
 
 SEE_NOTE = "marked, see the note of the table"
+MARKED_VERDICTS = {FAILED: "limit exceeded", NOT_MODELLED: "not assessed"}  # of checks of bearings
 FEWEST_TO_SORT = 3  # rows; two are seen at once
 MOST_ROWS = 200  # of a table that are open; the rest is folded
 UPRIGHT = 130  # letters in a row of a table that fit on a page; more is turned, as page.css knows
@@ -182,8 +183,11 @@ def _places(blocks: Sequence[Block]) -> dict[str, str]:
 
 
 def _figure(figure: ReportFigure, number: int, line_points: int) -> dict[str, Any]:
-    part = {"kind": "figure", "number": number, "caption": figure.caption}
-    part |= {"alt": figure.alt or figure.caption, "plot": "", "image": ""}
+    caption, alt = figure.caption, figure.alt or figure.caption
+    if figure.plot and figure.plot_caption:
+        caption, alt = figure.plot_caption, alt.replace(caption, figure.plot_caption, 1)
+    part = {"kind": "figure", "number": number, "caption": caption}
+    part |= {"alt": alt, "plot": "", "image": ""}
     if plot := figure.plot:
         # No sign in it that could end the element.
         data = Markup(plot_json(plot, line_points).replace("<", "\\u003c"))
@@ -203,7 +207,7 @@ class Cell(NamedTuple):
     look: str
     value: str | None
     to: str
-    marked: bool
+    mark: str  # what its mark means; empty without one
 
 
 def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, Any]:
@@ -215,7 +219,7 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
     least = sum(least + PADDING for least, _ in widths)
     rows = [
         [
-            _cell(value, text, look, places, (at, place) in table.marked)
+            _cell(value, text, look, places, _mark_words(table, text, (at, place)))
             for place, (value, text, look) in enumerate(zip(row, texts[at], looks, strict=True))
         ]
         for at, row in enumerate(table.rows)
@@ -230,7 +234,6 @@ def _table(table: Table, number: int, places: Mapping[str, str]) -> dict[str, An
         "key_columns": table.keys,
         "caption": table.caption,
         "note": f"{note} {row_note}".strip(),
-        "mark_words": SEE_NOTE if NOTE in table.note else MARK_WORDS,
         "look": " ".join(look),
         "letters": letters,
         "least": least,
@@ -268,14 +271,21 @@ def _governing_rows(table: Table) -> tuple[list[int], list[int], str]:
     return order[:MOST_ROWS], sorted(order[MOST_ROWS:]), f"{', '.join(clauses)}."
 
 
-def _cell(value: Any, text: str, look: str, places: Mapping[str, str], marked: bool) -> Cell:
+def _mark_words(table: Table, text: str, place: tuple[int, int]) -> str:
+    """Return what the mark of a cell means, for those who do not see its colour."""
+    if place not in table.marked:
+        return ""
+    return MARKED_VERDICTS.get(text, SEE_NOTE if NOTE in table.note else MARK_WORDS)
+
+
+def _cell(value: Any, text: str, look: str, places: Mapping[str, str], mark: str) -> Cell:
     number = None
     if is_number(value):
         look, number = "amount", f"{value:.9g}" if np.isfinite(value) else ""
     if "verdict" in look and text in VERDICTS:
         look, text = f"{look} {text.replace(' ', '-')}", f"{VERDICTS[text]} {text}"
     to = places.get(value.to, "") if isinstance(value, Link) else ""
-    return Cell(text, f"marked {look}" if marked else look, number, to, marked)
+    return Cell(text, f"marked {look}" if mark else look, number, to, mark)
 
 
 def _looks(table: Table, texts: Sequence[Sequence[str]]) -> list[str]:

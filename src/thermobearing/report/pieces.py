@@ -94,9 +94,9 @@ def column_letters(table: Table, texts: Sequence[Sequence[str]]) -> list[tuple[i
 class Trace:
     """A line of a plot; a history may have all its points, documents thin it.
 
-    Lines of one name are switched together. NaN interrupts the line. `look` is "line", "dashed",
-    "points" or "line with points". With a slider, `frames` are y and `frames_x` are x (None where
-    it stays) of each of its places, shape (places, points).
+    Lines of one name are switched together. NaN interrupts the line. `look` is "line", "broad" (a
+    band below other lines), "dashed", "points" or "line with points". With a slider, `frames` are y
+    and `frames_x` are x (None where it stays) of each of its places, shape (places, points).
     """
 
     name: str
@@ -149,7 +149,8 @@ class ReportFigure:
 
     `draw` makes the matplotlib figure once; `image` is a picture that exists (SVG or PNG); without
     both the figure of paper is drawn from `plot`, the interactive one of the page. `alt` is what
-    readers who cannot see it must know; the caption where it is empty.
+    readers who cannot see it must know; the caption where it is empty. `plot_caption` is that of a
+    plot that shows something else than the figure of paper.
     """
 
     caption: str
@@ -157,6 +158,7 @@ class ReportFigure:
     image: bytes | None = None
     alt: str = ""
     plot: Plot | None = None
+    plot_caption: str = ""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from thermobearing.identify.report import (
+    LOOPS,
     cycles_table,
     error_check,
     errors_table,
@@ -122,11 +123,11 @@ def _report_figures(saved: SavedResult) -> dict[str, ReportFigure]:
         for (test, bearing, model), rows in parts:
             traces = choices.setdefault(str(test), [])
             if not traces:
-                traces.append(loop_trace("test", rows, "force_kN", "#9aa4b1"))
+                traces.append(loop_trace(rows, *LOOPS[0]))
             colour = MODEL_COLOURS[(len(traces) - 1) % len(MODEL_COLOURS)]
             if rows["model_force_kN"].notna().any():
                 name = f"{bearing}, {model}"
-                traces.append(loop_trace(name, rows, "model_force_kN", colour))
+                traces.append(loop_trace(rows, name, "model_force_kN", colour))
         plot = Plot("displacement [mm]", "force [kN]", choices)
         figures = content.with_plot(figures, "loops", plot, "validate")
     return figures

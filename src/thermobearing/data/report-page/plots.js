@@ -6,6 +6,7 @@
   const NEAR = 40; // distance of the pointer from a point whose values are shown [px]
   const LETTER = 7.2; // width of a letter of a tick label [px]
   const AXES = ["x", "y"];
+  const LINES = { dashed: "line dashed", broad: "line broad" }; // classes by the look of a trace
   const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "font"];
   const status = document.getElementById("status");
 
@@ -247,7 +248,7 @@
       const draw = (look, path) => {
         add(inside, "path", { class: look, d: path.join("") }).style.stroke = ink(trace.colour);
       };
-      if (trace.look !== "points") draw(trace.look === "dashed" ? "line dashed" : "line", steps);
+      if (trace.look !== "points") draw(LINES[trace.look] ?? "line", steps);
       if (trace.look.includes("points")) draw("points", dots);
     }
 
