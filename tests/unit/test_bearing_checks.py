@@ -60,6 +60,16 @@ def test_overlap_of_rectangles_is_the_share_of_points_that_stay_above(moved):
     assert overlap_area(RECTANGLE, np.array([moved]))[0] == counted
 
 
+def test_a_lost_overlap_is_stated_at_the_largest_displacement():
+    """Before: where the overlap was lost first, as if the top went no farther."""
+    bearing = tb.load_bearing("shen-hdr-bridge")
+    side = bearing.geometry.plan.side
+    way = side * np.array([0.0, 0.7, 1.01, 1.2, 1.1])
+    for displacement in (way, np.column_stack([way, np.zeros(len(way))])):
+        sources = [row.source for row in vertical_checks(bearing, LOAD, displacement, 23.0)]
+        assert sum(f"0 % at {1.2 * side:.0f} mm" in source for source in sources) == 2
+
+
 def test_overlap_on_a_line_is_along_the_length():
     expected = [500 * 300, 400 * 300, 0]
     assert overlap_area(RECTANGLE, np.array([0.0, -100.0, 501.0])).tolist() == expected

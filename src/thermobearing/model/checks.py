@@ -268,8 +268,10 @@ def vertical_checks(
         return []
     plan = bearing.geometry.plan
     areas = overlap_area(plan, displacement)
-    place = place_of_least(areas)
-    least, travel = float(areas[place]), float(np.linalg.norm(displacement[place]))
+    least = float(areas[place_of_least(areas)])
+    # Without an overlap, the farthest of all displacements without one.
+    moved = np.linalg.norm(np.reshape(displacement, (len(areas), -1)), axis=1)
+    travel = float(np.max(moved[areas <= least], initial=0.0))
     degrees = max(temperature, bearing.hysteresis.reference_temperature)
     modulus = checked_modulus(bearing, temperature)
     critical = critical_load(bearing.geometry, modulus, bearing.lead)
