@@ -297,6 +297,7 @@ def checks_table(rows: "pd.DataFrame", caption: str = "Checks", note: str = "") 
     return make_table(frame, columns, caption, keys=keys, marked=marked, note=note, keep_keys=True)
 
 
+NAMED_PARTS = 3  # that fail a check, in its name
 NO_SOFTENING = "0 1/K"  # of a core whose file states none
 OF_BEARINGS = "Checks of the bearings"
 CHECKS_NOTE = "The largest use of each limit, and where. Compression is positive."
@@ -315,6 +316,12 @@ def governing_checks(rows: "pd.DataFrame", *, every_part: bool) -> "pd.DataFrame
     keys = [rows[name] for name in ("code", "bearing", *["part"] * every_part, "what")]
     groups = [values for _, values in size.groupby(keys, sort=False)]
     governing = rows.loc[[values.index[place_of_largest(values)] for values in groups]]
+    if not every_part:
+        named = [
+            _failing_parts(rows.loc[values.index], row)
+            for values, row in zip(groups, governing.to_dict("records"), strict=True)
+        ]
+        governing = governing.assign(part=named)
     strains = governing["what"].str.endswith("strain")
     governing.loc[strains, ["value", "limit"]] *= 100.0
     governing.loc[strains, "unit"] = "%"
@@ -324,6 +331,21 @@ def governing_checks(rows: "pd.DataFrame", *, every_part: bool) -> "pd.DataFrame
         parts = zip(governing["part"], governing["bearing"], strict=True)
         governing["part"] = [f"{part} ({name})" if part else name for part, name in parts]
     return governing if governing["part"].any() else governing.drop(columns="part")
+
+
+def _failing_parts(rows: "pd.DataFrame", governing: Mapping[Any, Any]) -> str:
+    """Return the parts that fail the check of a governing row, that of the row first.
+
+    Of a check that does not fail, the part of the row alone.
+    """
+    failing = rows[~rows["verdict"].isin(list(VERDICTS))]
+    first = str(governing["part"])
+    if governing["verdict"] in VERDICTS:
+        return first
+    names = list(dict.fromkeys([first, *map(str, failing["part"])]))
+    if len(names) > NAMED_PARTS:
+        return f"{first} and {len(names) - 1} more"
+    return joined(names)
 
 
 def bearing_check_tables(result: Result, *, every_part: bool = True) -> dict[str, Table]:

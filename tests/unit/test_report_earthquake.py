@@ -69,7 +69,7 @@ def test_question_and_answer(study: EarthquakeResult, pieces: Pieces) -> None:
     assert f"{table['pier_ductility'].max():.3g}" in pieces.answer[2]
     lead = table[table["bearing"] == "shen-lhdr-bridge"]
     cold, warm = (lead[lead["ambient_degC"] == t] for t in (-20.0, 23.0))
-    ratio = np.mean(cold["bearing_force_max_kN"].to_numpy() / warm["bearing_force_max_kN"])
+    ratio = cold["bearing_force_max_kN"].mean() / warm["bearing_force_max_kN"].mean()
     size = f"{100 * abs(ratio - 1):.0f} % {'larger' if ratio > 1 else 'smaller'}"
     assert f"with shen-lhdr-bridge the mean bearing force is {size}" in pieces.answer[1]
     assert "shen-bilinear-bridge" in pieces.answer[1]

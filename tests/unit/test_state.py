@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import thermobearing as tb
 from tests import tolerances as tol
 from tests.unit.studies import small_study
+from tests.unit.test_lead_strength import melted
 from thermobearing.bearing.model import Bearing, Scragging
 from thermobearing.bearing.state import RubberState, assumed, in_state, scragging_of
 from thermobearing.border.errors import InputError
@@ -20,6 +21,7 @@ from thermobearing.cyclic.equivalent import bilinear_parameters
 from thermobearing.design.bounds import bounds_study
 from thermobearing.design.run import run_design, run_factors
 from thermobearing.earthquake.analysis import run_other_bound
+from thermobearing.earthquake.answer import main_results
 from thermobearing.earthquake.report import build_pieces
 from thermobearing.live.data import _fixed_numbers
 from thermobearing.model.options import ModelOptions, build_model
@@ -148,6 +150,9 @@ def test_governing_runs_have_the_other_bound() -> None:
         assert peak.place == tested.table[layered][peak.column].idxmax()
         at = rows["ambient_degC"].isin(set(bound.result.table["ambient_degC"]))
         assert bound.result.table[peak.column][peak.other_place] == rows[at][peak.column].max()
+    ended = bound._replace(result=melted(bound.result, 0))
+    assert "of which 1 did not complete (lead melted" in " ".join(main_results(tested, ended))
+    assert "did not complete" not in " ".join(main_results(tested, bound))
     back = run_other_bound(virgin)
     assert back is not None
     assert (back.state.rubber, back.assumed) == ("tested", False)

@@ -21,10 +21,11 @@ from thermobearing.earthquake.analysis import (
     run_other_bound,
 )
 from thermobearing.earthquake.case import list_bearing_tables
-from thermobearing.earthquake.measures import cold_ratios, key_columns
+from thermobearing.earthquake.measures import cold_ratios, key_columns, ratio_of_means
 from thermobearing.earthquake.properties.lines import few_motions_note, motions_for_mean
 from thermobearing.earthquake.properties.notes import bearing_sources, temperature_note
 from thermobearing.earthquake.properties.strength import StrengthBand, strength_sentence
+from thermobearing.earthquake.properties.written import place_in_words
 from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.model.outcomes import INTERRUPTED, MELTED
 from thermobearing.quantities.governing import SLACK_KELVIN, place_of_largest
@@ -246,18 +247,7 @@ def _place_in_words(result: EarthquakeResult, place: int, part: str) -> str:
     if part not in table:
         return plain(run)
     bearing, name = (str(table[column].iloc[place]) for column in ("bearing", part))
-    return plain(_run_and_part(result, run, bearing, part, name))
-
-
-def _run_and_part(result: EarthquakeResult, run: str, bearing: str, part: str, name: str) -> str:
-    """Return the name of a run and its line or pier; a line is named with its own bearing."""
-    lines, label = result.line_bearings.get(bearing, {}), part_label(part.rpartition("_")[2], name)
-    if not lines:
-        return f"{run}, {label}"
-    run = run.removeprefix(f"{bearing}, ")
-    if name in lines and part.endswith("line"):
-        return f"{label} with {lines[name]}, {run}"
-    return f"{run}, {label}"  # a pier carries lines of several bearings
+    return plain(place_in_words(result.line_bearings, run, bearing, part, name))
 
 
 def _governing(result: EarthquakeResult) -> str:
@@ -320,7 +310,8 @@ def _cold(result: EarthquakeResult) -> str:
     several = len(result.bearing_labels) > 1
     sentences: list[str] = []
     for name, group in groups:
-        start = f"At {degrees([coldest])}, compared with {degrees([warmest])}, "
+        means = f" (means over {counted(motions, 'motion')})" if motions > 1 else ""
+        start = f"At {degrees([coldest])}, compared with {degrees([warmest])}{means}, "
         if "line_bearing" in group and group["line_bearing"].nunique() > 1:
             changes = _cold_by_kind(group, motions > 1)
             subject = f"of the analysis with {name}, " if several else ""
@@ -335,33 +326,34 @@ def _cold(result: EarthquakeResult) -> str:
 
 def _cold_by_kind(group: "pd.DataFrame", several: bool) -> str:
     """Return clauses on force and strain of each kind of bearings, then on the pier."""
-    pier = "pier_displacement_max_mm"
     clauses = [
-        f"with {kind} {joined(_cold_changes(rows.drop(columns=pier), several))}"
+        f"with {kind} {joined(_cold_changes(rows, several, PEAKS_OF_BEARINGS))}"
         for kind, rows in group.groupby("line_bearing", sort=False)
     ]
     # All kinds of a run have the same piers.
     runs = group.drop_duplicates(key_columns(group))
-    clauses += _cold_changes(runs[["motion", pier]], several)
+    clauses += _cold_changes(runs, several, PEAK_OF_PIER)
     return "; ".join(clauses)
 
 
-def _cold_changes(group: "pd.DataFrame", several: bool) -> list[str]:
-    """Return clauses on force, strain and pier displacement in the cold, means over motions."""
+PEAKS_OF_BEARINGS = {FORCE: "bearing force", STRAIN: "shear strain"}
+PEAK_OF_PIER = {"pier_displacement_max_mm": "displacement of the pier top"}
+
+
+def _cold_changes(
+    group: "pd.DataFrame", several: bool, peaks: Mapping[str, str] | None = None
+) -> list[str]:
+    """Return clauses on peaks in the cold, of means over motions; of bearings and pier by default.
+
+    `peaks` are the words of each column.
+    """
     mean = "mean " if several else ""
     clauses: list[str] = []
-    for column, peak_name in (
-        ("bearing_force_max_kN", "bearing force"),
-        ("bearing_strain_max", "shear strain"),
-        ("pier_displacement_max_mm", "displacement of the pier top"),
-    ):
-        if column not in group:
-            continue
-        values = group[column].dropna()
-        if not len(values):
+    for column, peak_name in (peaks or PEAKS_OF_BEARINGS | PEAK_OF_PIER).items():
+        if not group[column].notna().any():
             continue
         verb = "" if clauses else " is"  # one verb for all clauses
-        size = _size(float(values.mean()))
+        size = _size(ratio_of_means(group, column))
         clauses.append(f"the {mean}{peak_name}{verb} {size}{_range_of_motions(group, column)}")
     return clauses
 
@@ -381,8 +373,8 @@ def _range_of_motions(group: "pd.DataFrame", column: str) -> str:
     for direction in (" % larger", " % smaller"):
         if low.endswith(direction) and high.endswith(direction):
             ends = sorted((text.removesuffix(direction) for text in (low, high)), key=float)
-            return f" ({' to '.join(ends)}{direction})"
-    return f" ({low} to {high})"
+            return f" (single motions: {' to '.join(ends)}{direction})"
+    return f" (single motions: {low} to {high})"
 
 
 OTHER_PEAKS = {  # of the other state of the rubber: words, factor, unit and column of the place
@@ -416,8 +408,20 @@ def _other_bound(result: EarthquakeResult, bound: OtherBound) -> str:
     if not phrases:
         return ""
     unknown = ", whose scragging is assumed," if bound.assumed else ""
-    changes = f"{joined(phrases)}; {_other_runs(bound.result)}."
+    changes = f"{joined(phrases)}; {_other_runs(bound.result)}{_ended_clause(bound.result)}."
     return f"With {bound.state.rubber} rubber{unknown} {changes}"
+
+
+def _ended_clause(other: EarthquakeResult) -> str:
+    """Return how many runs have another outcome than completed, whose peaks are those until then.
+
+    With a comma before it; empty where all are complete.
+    """
+    ended = [str(text) for text in other.table["outcome"] if text != COMPLETED]
+    if not ended:
+        return ""
+    kinds = joined(text.replace("_", " ") for text in dict.fromkeys(ended))
+    return f", of which {len(ended)} did not complete ({kinds}; the peaks are those until then)"
 
 
 def _other_runs(other: EarthquakeResult) -> str:
@@ -440,7 +444,7 @@ def _heating(result: EarthquakeResult) -> str:
         lines = result.lines
         names = np.repeat(result.run_names, len(lines) // result.runs)
         places = [
-            _run_and_part(result, str(run), str(bearing), "line", str(line))
+            place_in_words(result.line_bearings, str(run), str(bearing), "line", str(line))
             for run, bearing, line in zip(names, lines["bearing"], lines["line"], strict=True)
         ]
         # Other lines may be warmer than the one whose layers are kept.

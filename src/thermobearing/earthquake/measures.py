@@ -195,8 +195,8 @@ def with_partial_loops(frame: "pd.DataFrame") -> "pd.DataFrame":
 def cold_ratios(result: "EarthquakeResult") -> "pd.DataFrame":
     """Return peaks of each run over those at the warmest temperature of the same run otherwise.
 
-    With several kinds of bearings there is a row for each kind (`line_bearing`), of whose lines
-    each is compared with itself: strain, force and energy are means of the ratios of its lines.
+    `..._cold` and `..._warm` are both peaks of each ratio. With several kinds of bearings there is
+    a row for each kind (`line_bearing`), whose strain, force and energy are means over its lines.
     With one kind this holds for the energy alone.
     """
     table = result.table
@@ -205,37 +205,49 @@ def cold_ratios(result: "EarthquakeResult") -> "pd.DataFrame":
     if table["ambient_degC"].nunique() < 2:
         return pd.DataFrame()
     warmest = float(table["ambient_degC"].max())
-    warm = table[table["ambient_degC"] == warmest].set_index(keys)
-    rows = []
-    for row in table[table["ambient_degC"] < warmest].to_dict("records"):
-        key = tuple(row[name] for name in keys)
-        if key in warm.index:  # a warm run that ended early has no row
-            warm_row = warm.loc[key]
-            ratios = {
-                name: row[name] / warm_row[name] if warm_row[name] else np.nan for name in COLD
-            }
-            rows.append({name: row[name] for name in (*keys, "ambient_degC")} | ratios)
-    return _with_ratios_of_lines(result, pd.DataFrame(rows), keys)
+    warm = table.loc[table["ambient_degC"] == warmest, [*keys, *COLD]]
+    cold = table.loc[table["ambient_degC"] < warmest, [*keys, "ambient_degC", *COLD]]
+    # A warm run that ended early has no row.
+    pairs = cold.merge(warm, on=keys, suffixes=("_cold", "_warm"))
+    return _with_ratios(_with_means_of_lines(result, pairs, keys))
 
 
-def _with_ratios_of_lines(
-    result: "EarthquakeResult", ratios: "pd.DataFrame", keys: Sequence[str]
+def _with_ratios(pairs: "pd.DataFrame") -> "pd.DataFrame":
+    """Return peaks in the cold and at the warmest temperature with their ratios."""
+    warm = {name: pairs[f"{name}_warm"] for name in COLD}
+    ratios = {name: pairs[f"{name}_cold"] / warm[name].where(warm[name] != 0.0) for name in COLD}
+    return pairs.assign(**ratios)
+
+
+def ratio_of_means(ratios: "pd.DataFrame", name: str) -> float:
+    """Return the mean of a peak in the cold over its mean at the warmest temperature.
+
+    Of the motions in rows of `cold_ratios`: codes take means of responses over motions, in which a
+    strong motion weighs more than in the mean of the ratios of each motion. NaN without a peak.
+    """
+    pairs = ratios.loc[ratios[name].notna(), [f"{name}_cold", f"{name}_warm"]]
+    cold, warm = pairs.mean()
+    return float(cold / warm)
+
+
+def _with_means_of_lines(
+    result: "EarthquakeResult", pairs: "pd.DataFrame", keys: Sequence[str]
 ) -> "pd.DataFrame":
-    """Return ratios of runs with those of lines, each of which is compared with itself."""
+    """Return peaks of pairs of runs with means over lines in place of the largest of all lines."""
     lines = result.lines
-    if not len(lines) or not len(ratios):
-        return ratios
+    if not len(lines) or not len(pairs):
+        return pairs
     kinds = ["line_bearing"] if result.line_bearings else []
     columns = COLD_LINES if kinds else {"bearing_energy_kN_mm": "energy_kN_mm"}
-    identity = [*(name for name in keys if name in lines), "line"]
-    warm = lines[lines["ambient_degC"] == lines["ambient_degC"].max()]
-    pairs = lines.merge(warm[[*identity, *columns.values()]], on=identity, suffixes=("", "_warm"))
-    for peak, column in columns.items():
-        reference = pairs[f"{column}_warm"]
-        pairs[peak] = pairs[column] / reference.where(reference != 0.0)
-    labels = [*identity[:-1], "ambient_degC"]
-    means = pairs.groupby([*labels, *kinds], sort=False)[list(columns)].mean().reset_index()
-    return ratios.drop(columns=list(columns)).merge(means, on=labels)
+    runs = [name for name in keys if name in lines]
+    identity = [*runs, *kinds]
+    values = list(columns.values())
+    means = lines.groupby([*identity, "ambient_degC"], sort=False)[values].mean().reset_index()
+    means = means.rename(columns={column: peak for peak, column in columns.items()})
+    warm = means[means["ambient_degC"] == means["ambient_degC"].max()].drop(columns="ambient_degC")
+    of_lines = means.merge(warm, on=identity, suffixes=("_cold", "_warm"))
+    replaced = [f"{peak}_{state}" for peak in columns for state in ("cold", "warm")]
+    return pairs.drop(columns=replaced).merge(of_lines, on=[*runs, "ambient_degC"])
 
 
 def with_resultant(values: Floats) -> Floats:

@@ -373,8 +373,9 @@ def _range_action(result: EarthquakeResult) -> str:
     return plain(
         f"All results at {degrees(ambients)} are outside the calibration range of "
         f"{joined(outside)}. Have the bearing tested at this temperature, or enter the maker's "
-        "data of it; until then take the factors of a code at this temperature as a bound "
-        "(`thermobearing lambda`). Extend the range by tests for other results outside it."
+        "data of it; until then take the larger of the factors of a code and of this model at "
+        "this temperature (`thermobearing lambda` states both). Extend the range by tests for "
+        "other results outside it."
     )
 
 

@@ -17,15 +17,16 @@ from thermobearing.cyclic.protocol import LARGEST_STRAIN
 from thermobearing.earthquake import earlier, measures, tables
 from thermobearing.earthquake.axial import with_validity
 from thermobearing.earthquake.measures import DIRECTION, signed_peak
-from thermobearing.earthquake.properties.bridge import nominal_stiffness
-from thermobearing.earthquake.properties.written import with_governing_bearings, with_own_bearing
+from thermobearing.earthquake.properties import written
+from thermobearing.earthquake.properties.bridge import nominal_note
+from thermobearing.earthquake.properties.energy import energy_of_warmest
 from thermobearing.model.limits import CODE_KEYS
 from thermobearing.model.outcomes import NOT_PHYSICAL
 from thermobearing.quantities.governing import place_of_largest, places_of_largest
 from thermobearing.quantities.register import quantity
 from thermobearing.quantities.tables import Table
 from thermobearing.quantities.warned import ASSUMED, Warned
-from thermobearing.quantities.words import joined, part_label
+from thermobearing.quantities.words import joined
 from thermobearing.results import directory
 from thermobearing.results.base import DatasetResult
 from thermobearing.results.metrics import BALANCE
@@ -85,10 +86,13 @@ class EarthquakeResult(DatasetResult):
         if self.outcome != NOT_PHYSICAL or not len(torn):
             return super().sentence
         run = int(torn.index[place_of_largest(torn[STRAIN])])
-        line = f"{part_label('line', table['strain_line'][run])}, " if self.has_parts else ""
+        place = self.run_names[run]
+        if self.has_parts:
+            bearing, line = str(table["bearing"][run]), str(table["strain_line"][run])
+            place = written.place_in_words(self.line_bearings, place, bearing, "line", line)
         return (
-            f"A bearing was strained to {100.0 * table[STRAIN][run]:.0f} % ({line}"
-            f"{self.run_names[run]}), beyond {100.0 * LARGEST_STRAIN:g} %, where it tears. The "
+            f"A bearing was strained to {100.0 * table[STRAIN][run]:.0f} % ({place}), beyond "
+            f"{100.0 * LARGEST_STRAIN:g} %, where it tears. The "
             "motion is too strong for it: check the factor and the unit of the motion, the masses "
             "and the bearing."
         )
@@ -259,8 +263,8 @@ class EarthquakeResult(DatasetResult):
         several, `strain_line`, `force_line`, `displacement_pier` and `ductility_pier` name the
         one that governs, and `lines` and `piers` hold a row for each. The largest loop is that
         of the line in ``dataset.attrs["line"]``. The mode is that of the laboratory; without one
-        there is no such column. `energy_of_warmest` is the bearing's energy over that at the
-        warmest temperature of the same bearing, motion and mode, `damping_of_input` the
+        there is no such column. `energy_of_warmest` is the bearing's energy over that of the same
+        line at the warmest temperature (NaN where lines have several kinds), `damping_of_input` the
         share of the energy that viscous damping takes from the input, `beyond_rig`
         the limits of the rig that the run exceeds, if a rig is named, `beyond_tested` the
         quantities in which it leaves the calibration range of its bearing.
@@ -284,11 +288,8 @@ class EarthquakeResult(DatasetResult):
             sizes = np.abs(data[peak].values)
             names = data[part].values[places_of_largest(sizes)]
             frame[name] = np.where(np.isnan(sizes).all(axis=1), "", names)
-        # Sorted from cold to warm, the last run of each group is the warmest.
-        group_keys = [name for name in measures.KEYS if name in frame and name != "ambient_degC"]
-        sorted_ = frame.sort_values("ambient_degC", kind="stable")
-        warmest = sorted_.groupby(group_keys, sort=False)["bearing_energy_kN_mm"].transform("last")
-        frame["energy_of_warmest"] = frame["bearing_energy_kN_mm"] / warmest.loc[frame.index]
+        by_line = data["line_energy_end"].values if self.has_parts else None
+        frame["energy_of_warmest"] = energy_of_warmest(frame, by_line, self.line_bearings)
         energy = self.energy
         frame["damping_of_input"] = measures.damping_share(
             energy["damping_kN_mm"], energy["input_kN_mm"]
@@ -593,8 +594,7 @@ class EarthquakeResult(DatasetResult):
         ratios = ", ".join(f"{value:.1%}" for value in damped)
         direction = "" if self.in_plan or not self.directions else f" along {self.directions[0]}"
         if modes:
-            nominal = f"its nominal bearing stiffness, {nominal_stiffness(self)}, used for damping"
-            say(f"periods{direction} {periods} s{remark}, of the structure with {nominal}")
+            say(f"periods{direction} {periods} s{remark}, {nominal_note(self)}")
         say(f"viscous damping {attrs['damping']}: ratios of these modes {ratios}")
         if "surroundings" in attrs:
             say(attrs["surroundings"])
@@ -664,14 +664,15 @@ class EarthquakeResult(DatasetResult):
 
     def _write(self, folder: Path) -> None:
         (folder / directory.RESOLVED).write_text(self.dataset.attrs["case"], encoding="utf-8")
-        write_csv(folder / directory.TABLE, with_governing_bearings(self.table, self.line_bearings))
+        table = written.with_governing_bearings(self.table, self.line_bearings)
+        write_csv(folder / directory.TABLE, table)
         frames = {directory.MODES: self.modes_table, directory.AXIAL: self.axial}
         if self.in_plan:
             frames[directory.DIRECTIONS] = self.by_direction()
         frames[directory.COMPONENTS] = self.components
         frames[directory.BANDS] = self.bands
         frames[directory.ROTATION] = tables.rotation_measures_frame(self)
-        frames[directory.LINES] = with_own_bearing(self.by_direction("lines"))
+        frames[directory.LINES] = written.with_own_bearing(self.by_direction("lines"))
         frames[directory.PIERS] = self.by_direction("piers")
         if self.compared:
             frames[directory.COMPARISON] = earlier.comparison_table(self.compared)

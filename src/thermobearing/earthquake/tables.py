@@ -22,7 +22,7 @@ from thermobearing.quantities.governing import place_of_largest
 from thermobearing.quantities.register import MINUS, Quantity, quantity
 from thermobearing.quantities.tables import Table, make_table
 from thermobearing.quantities.validity import VALID_UNTIL, stable_rows, with_invalid_marked
-from thermobearing.quantities.words import joined, part_label
+from thermobearing.quantities.words import degrees, joined, part_label
 from thermobearing.reported import bearing_check_tables
 from thermobearing.results.directory import LINES
 from thermobearing.results.metrics import BALANCE
@@ -255,7 +255,7 @@ def _peaks_table(
     )
     # A pier that cannot move has an empty cell, and a column of empty cells is left out.
     frame["pier_displacement_max_mm"] = frame["pier_displacement_max_mm"].replace(0.0, np.nan)
-    if frame["ambient_degC"].nunique() < 2:  # each run is the warmest
+    if frame["ambient_degC"].nunique() < 2 or frame["energy_of_warmest"].isna().all():
         frame = frame.drop(columns="energy_of_warmest")
     keys = measures.key_columns(frame)
     place_columns: list[str] = []
@@ -311,7 +311,8 @@ def _peaks_sentences(
         "absolute; rubber and lead: highest temperature."
     ]
     if "energy_of_warmest" in names and "energy_of_warmest" in frame:
-        sentences.append("The energy ratio is relative to the warmest run.")
+        same = " of the same line" * result.has_parts
+        sentences.append(f"The energy ratio is relative to the warmest run{same}.")
     if result.has_parts:
         sentences.append(f"Every peak is the largest of all {joined(_plurals(result))}.")
     return sentences
@@ -551,25 +552,24 @@ def _cold_table(result: "EarthquakeResult") -> Table:
     ratios = measures.cold_ratios(result)
     if not len(ratios):
         return make_table(ratios)
-    keys = [name for name in measures.key_columns(ratios) if name != "motion"]
-    keys += [name for name in ("line_bearing",) if name in ratios]
+    keys = [n for n in (*measures.key_columns(ratios), "line_bearing") if n in ratios]
+    keys.remove("motion")
 
-    def _cell(values: "pd.Series[float]") -> Any:
-        finite = values.dropna()
-        if len(values) == 1 or not len(finite):
-            return finite.iloc[0] if len(finite) else ""
-        return f"{finite.mean():.2f} ({finite.min():.2f}–{finite.max():.2f})"
+    def _cell(group: "pd.DataFrame", name: str) -> Any:
+        finite, mean = group[name].dropna(), measures.ratio_of_means(group, name)
+        if len(group) == 1 or not len(finite):
+            return mean if len(finite) else ""
+        return f"{mean:.2f} ({finite.min():.2f}–{finite.max():.2f})"
 
-    frame = ratios.groupby(keys, sort=False)[list(measures.COLD)].agg(_cell).reset_index()
+    groups = ratios.groupby(keys, sort=False)
+    cells = {name: [_cell(group, name) for _, group in groups] for name in measures.COLD}
+    frame = groups[keys].first().reset_index(drop=True).assign(**cells)
     columns = [quantity(name, unit="", factor=1.0, form=".2f") for name in measures.COLD]
-    warmest = f"{result.table['ambient_degC'].max():g}".replace("-", "\N{MINUS SIGN}")
-    motions = ratios["motion"].nunique()
-    of_motions = f", mean over {motions} motions (lowest–highest)" if motions > 1 else ""
-    caption = f"Effect of low temperature: peaks relative to those at {warmest} °C{of_motions}"
-    note = ""
-    if len(result.lines):
-        columns_of_lines = "Strain, force and energy" if "line_bearing" in ratios else "Energy"
-        note = f"{columns_of_lines}: each line relative to itself, mean over lines."
+    warmest, count = degrees([result.table["ambient_degC"].max()]), ratios["motion"].nunique()
+    means = f"means over {count} motions (lowest–highest of one) of " if count > 1 else ""
+    caption = f"Effect of low temperature: {means}peaks relative to those at {warmest}"
+    of_lines = "Strain, force and energy" if "line_bearing" in ratios else "Energy"
+    note = f"{of_lines}: means over the lines of a bearing." if len(result.lines) else ""
     return make_table(frame, [*keys, *columns], caption, keys=len(keys), note=note)
 
 

@@ -25,6 +25,9 @@ from thermobearing.structure.run import Prepared, prepare_structure
 if TYPE_CHECKING:
     from thermobearing.earthquake.result import EarthquakeResult
 
+# Kinds of damping that the nominal stiffness of bearings changes; the others leave bearings out.
+DAMPED_WITH_BEARINGS = ("element", "source", "source-with-bearings")
+
 
 class DampingFactor(Strict):
     """Content of data/equivalent/damping.toml; `unverified`: its source was not read."""
@@ -105,6 +108,14 @@ def nominal_stiffness(result: "EarthquakeResult") -> str:
     stiffnesses = [line.equivalent_stiffness for line in structure.bearings]
     texts = dict.fromkeys(f"{value:.3g}" for value in (min(stiffnesses), max(stiffnesses)))
     return f"{' to '.join(texts)} kN/mm"
+
+
+def nominal_note(result: "EarthquakeResult") -> str:
+    """Return with which stiffness of bearings the modes of a result are, and what it changes."""
+    damped = result.dataset.attrs["damping"] in DAMPED_WITH_BEARINGS
+    used = "used for these periods and for damping" if damped else "used for these modes only"
+    nominal = f"its nominal bearing stiffness, {nominal_stiffness(result)}"
+    return f"of the structure with {nominal}, {used}"
 
 
 def _prepared_structure(result: "EarthquakeResult") -> Prepared:

@@ -164,8 +164,18 @@ def trials_note(trials: Trials) -> str:
     return (
         "Peaks with links are those of the same bridge and motions with the links of all lines in "
         f"place of the bearings, next to those of the coupled analysis ({runs}{missing}). "
-        f"{_steps_note(trials.rows)} {upper_note(trials.rows)}"
+        f"{_left_out_note(trials)}{_steps_note(trials.rows)} {upper_note(trials.rows)}"
     ).rstrip()
+
+
+def _left_out_note(trials: Trials) -> str:
+    """Return which runs the peaks of trials leave out, as a sentence that others follow."""
+    if not trials.left_out:
+        return ""
+    return (
+        "The motions of runs that end early are left out of both, so that larger peaks are not "
+        f"known: {'; '.join(trials.left_out)}. "
+    )
 
 
 def _steps_note(rows: "pd.DataFrame") -> str:

@@ -159,13 +159,13 @@ def settle_case(
         if finer.runs != first.runs:  # of an interrupted analysis, or of a part of its runs
             break
         finer_peaks = peaks_of(finer)
-        changes.append(_largest(largest_differences(peaks, finer_peaks)))
+        changes.append(_largest(_differences(result, finer, peaks, finer_peaks)))
         result, peaks, step = finer, finer_peaks, halved
         runs += finer.runs
         if len(changes) >= IN_A_ROW and max(changes[-IN_A_ROW:]) <= TOLERANCE:
             break
     change = max(changes[-IN_A_ROW:], default=float("nan"))
-    differences = largest_differences(first_peaks, peaks)
+    differences = _differences(first, result, first_peaks, peaks)
     return Settled(first, result, step, change, len(changes), differences, runs)
 
 
@@ -180,6 +180,22 @@ def settle_bridge(result: "EarthquakeResult") -> Settled:
         return settle_case(case, result)
     except InputError:
         return Settled(result, result, case.analysis.dt, float("nan"), 0, {}, 0)
+
+
+def _differences(
+    result: "EarthquakeResult",
+    finer: "EarthquakeResult",
+    peaks: "pd.DataFrame",
+    finer_peaks: "pd.DataFrame",
+) -> dict[str, float]:
+    """Return `largest_differences`; infinite where a run has another outcome.
+
+    Design peaks are over the motions that an analysis completes: those of fewer motions are no
+    peaks at a smaller step.
+    """
+    if np.array_equal(result["outcome"].values, finer["outcome"].values):
+        return largest_differences(peaks, finer_peaks)
+    return dict.fromkeys(PEAKS, float("inf"))
 
 
 def largest_differences(peaks: "pd.DataFrame", finer: "pd.DataFrame") -> dict[str, float]:
@@ -257,6 +273,8 @@ def halving_clause(halvings: int, change: float) -> str:
     """
     if halvings < 1:
         return "not repeated at a smaller step, which would take too many steps"
+    if np.isinf(change):
+        return "not settled: a halving changes the outcome of a run"
     if change > TOLERANCE:
         return f"not settled: a halving still moves a peak by {percent(change, 1)}"
     halved = "halved once, which" if halvings < IN_A_ROW else "the last two halvings"

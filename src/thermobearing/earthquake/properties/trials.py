@@ -35,8 +35,9 @@ from thermobearing.earthquake.result import EarthquakeResult
 from thermobearing.earthquake.run import run_earthquake
 from thermobearing.model.earlier import REFERENCE
 from thermobearing.quantities.governing import place_of_largest, place_of_least
-from thermobearing.quantities.words import joined
+from thermobearing.quantities.words import degrees, joined
 from thermobearing.quantities.words import number as number_text
+from thermobearing.results.base import COMPLETED
 
 SHORTFALL = 0.05  # of a peak, from which on links are said to be unsafe
 RIGID = 1e7  # kN, largest strength of a bilinear bearing: a line that does not move stays elastic
@@ -53,6 +54,7 @@ class Trials(NamedTuple):
     runs: int  # with links
     reasons: list[str]  # why sets of links, or all of them, were not run
     coupled_runs: int = 0  # at smaller steps
+    left_out: tuple[str, ...] = ()  # runs that links or the coupled analysis did not complete
 
 
 def trial_columns(peak_name: str, unit: str) -> tuple[str, str, str]:
@@ -81,6 +83,7 @@ def try_links(analyses: Mapping[str, Settled], lines: "pd.DataFrame") -> Trials:
         halvings, or the only one, moved a peak of the analysis at most.
     """
     frames, reasons, runs = [], [], 0
+    left_out = dict[str, None]()
     for state, group in lines.groupby("state", sort=False):
         coupled = analyses[str(state)]
         table = tomllib.loads(str(coupled.first.dataset.attrs["case"]))
@@ -100,9 +103,27 @@ def try_links(analyses: Mapping[str, Settled], lines: "pd.DataFrame") -> Trials:
                 continue
             runs += linked.first.runs + linked.runs
             frames.append(_compared(coupled, linked, rows, heated=heated))
+            left_out |= dict.fromkeys(_incomplete(coupled, linked, rows))
     compared = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
     coupled_runs = sum(analysis.runs for analysis in analyses.values()) if frames else 0
-    return Trials(compared, runs, list(dict.fromkeys(reasons)), coupled_runs)
+    return Trials(compared, runs, list(dict.fromkeys(reasons)), coupled_runs, tuple(left_out))
+
+
+def _incomplete(coupled: Settled, linked: Settled, rows: "pd.DataFrame") -> Iterator[str]:
+    """Yield the runs of a set of links, in words, that it or the coupled analysis do not complete.
+
+    Their motions are left out of the peaks of both (`_compared`).
+    """
+    first = rows.iloc[0]
+    for analysis, words in ((linked, "with links"), (coupled, "coupled")):
+        table = analysis.result.table
+        chosen = (table["outcome"] != COMPLETED) & (table["ambient_degC"] == first["ambient_degC"])
+        if analysis is coupled:
+            chosen &= table["bearing"] == first["bearing"]
+        for run in table[chosen].to_dict("records"):
+            place = f"{run['motion']} at {degrees([run['ambient_degC']])}"
+            state = f" and {first['rubber']} rubber" if first["rubber"] else ""
+            yield f"{place}{state}, {words} ({run['outcome'].replace('_', ' ')})"
 
 
 def _settle_links(case: EarthquakeCase, rows: "pd.DataFrame") -> Settled:

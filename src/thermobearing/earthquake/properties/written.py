@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
+from thermobearing.quantities.words import part_label
+
 if TYPE_CHECKING:
     from thermobearing.border.lazy import pd
 
@@ -46,3 +48,19 @@ def with_governing_bearings(
             ]
             written.insert(written.columns.tolist().index(column) + 1, bearing_column, bearings)
     return written
+
+
+def place_in_words(
+    line_bearings: Mapping[str, Mapping[str, str]], run: str, bearing: str, part: str, name: str
+) -> str:
+    """Return the name of a run and its line or pier; a line is named with its own bearing.
+
+    `bearing` is that of the analysis, with which the name of the run begins.
+    """
+    lines, label = line_bearings.get(bearing, {}), part_label(part.rpartition("_")[2], name)
+    if not lines:
+        return f"{run}, {label}"
+    run = run.removeprefix(f"{bearing}, ")
+    if name in lines and part.endswith("line"):
+        return f"{label} with {lines[name]}, {run}"
+    return f"{run}, {label}"  # a pier carries lines of several bearings
