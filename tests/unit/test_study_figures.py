@@ -1,18 +1,23 @@
 """Figures of a study draw the curves that there are, and name those that there are not."""
 
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 from numpy.testing import assert_allclose
 
 from tests import tolerances
-from tests.unit.made_up_study import ask, beyond_limit, drawn, legend_labels, made_up
+from tests.unit.made_up_study import HAZARD, ask, beyond_limit, drawn, legend_labels, made_up
+from thermobearing.earthquake.measures import damping_sentence
 from thermobearing.results import drawing
+from thermobearing.results.screen import shown_warnings
 from thermobearing.studies import figures as study_figures
 from thermobearing.studies.definition.designs import AMBIENT
+from thermobearing.studies.figures import remove_earlier
 from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics import fragility
 from thermobearing.studies.statistics.demand import ANY, counted, demand_against, quantile
@@ -369,3 +374,60 @@ def test_the_legend_of_demand_names_only_what_is_drawn() -> None:
     assert "mean" not in labels
     assert "5 to 95 %" not in labels
     assert "16 to 84 % of runs" in labels
+
+
+def drawn_texts(figure: Any) -> str:
+    return " ".join(" ".join(text.get_text() for text in figure.findobj(Text)).split())
+
+
+def test_incomplete_studies_say_so_in_figures() -> None:
+    """The figures of some runs, of one bearing too, state how many of the study there are."""
+    whole = ask(made_up(), capacity=1.0, hazard=HAZARD)
+    some = StudyResult(
+        whole.table[:-16], whole.study, {"runs": whole.runs}, "out/p1", whole.question
+    )
+    count = f"{whole.runs - 16} of {whole.runs} runs"
+    part = some.select(bearing="shen-hdr-bridge")
+    assert part.outcome == "incomplete"
+    assert part.warnings[0].startswith(count)
+    for result, is_complete in ((some, False), (whole, True)):
+        for name, draw in result.plot.draw_all().items():
+            assert (count in drawn_texts(draw())) != is_complete, name
+
+
+def test_viscous_damping_above_a_quarter_is_a_warning() -> None:
+    """The words are those of `bridge`, with the runs above a quarter and the largest share."""
+    result = made_up()
+    shares = np.full(result.runs, 0.2)
+    codes = [getattr(text, "code", "") for text in result.warnings]
+    assert "viscous_damping" not in codes
+    shares[:7], shares[7], shares[8] = 0.3, 0.84, np.nan
+    table = result.table.assign(damping_of_input=shares)
+    damped = StudyResult(table, result.study, result.manifest, "out/p1")
+    (text,) = [text for text in damped.warnings if getattr(text, "code", "") == "viscous_damping"]
+    kind = result.study.factors.structure.levels[0].damping.kind
+    assert text == damping_sentence(shares[~np.isnan(shares)], kind)
+    assert f"8 of {result.runs - 1} runs" in text
+    assert "at most 84" in text
+    assert text in shown_warnings(damped.warnings)
+
+
+def test_titles_name_the_bearing() -> None:
+    result = ask(made_up(), capacity=1.0, hazard=HAZARD)
+    for name, draw in result.plot.draw_all().items():
+        kind, _, bearing = name.partition("-")
+        if bearing:
+            assert bearing in draw().get_suptitle(), kind
+
+
+def test_earlier_figures_are_removed(tmp_path: Path) -> None:
+    """Those of another set of bearings or question; all other files stay."""
+    result = ask(made_up(), capacity=1.0)
+    earlier = ["fragility.png", "rates-shen-hdr-bridge.png", "ida.svg"]
+    own = ["fragility-notes.png", "fragility.csv", "sketch.png"]
+    kept = ["demand.png", "fragility-shen-hdr-bridge.pdf", "fragility-shen-hdr-bridge.png"]
+    for name in [*earlier, *own, *kept]:
+        (tmp_path / name).touch()
+    written = [tmp_path / name for name in kept[:2]]
+    assert {path.name for path in remove_earlier(result, tmp_path, written)} == set(earlier)
+    assert {path.name for path in tmp_path.iterdir()} == {*own, *kept}

@@ -8,6 +8,7 @@ import pytest
 
 from tests.unit.inputs import assert_refused
 from tests.unit.made_up_study import SITE
+from thermobearing.border.errors import InputError
 from thermobearing.studies.question import Question, _make_question, change_question, describe_kept
 
 
@@ -57,3 +58,20 @@ def test_the_question_of_the_docs_can_be_asked(tmp_path: Path) -> None:
     (tmp_path / "site.csv").write_text(SITE)
     assert set(tomllib.loads(block)) == set(Question.model_fields)
     assert _make_question(tomllib.loads(block), "question.toml", tmp_path).capacity == 1.0
+
+
+@pytest.mark.parametrize("head", ["Sa [g]", "Sa [gal]", "Sa(1.2 s) [m/s^2]"])
+def test_heads_of_a_hazard_curve_that_can_be_read_are_named(head: str, tmp_path: Path) -> None:
+    """Neither message sends a reader with a curve in Sa to PGA."""
+    file = tmp_path / "site.csv"
+    file.write_text(f"{head},rate [1/year]\n1,0.1\n5,0.01\n")
+    with pytest.raises(InputError) as refused:
+        _make_question({"hazard": str(file)}, "options")
+    message = str(refused.value)
+    assert f"{head}" in message
+    assert "Sa [m/s^2]" in message
+    assert "pga_" not in message
+    file.write_text("Sa [m/s^2],rate [1/year]\n1,0.1\n5,0.01\n")
+    hazard = _make_question({"hazard": str(file)}, "options").hazard
+    assert hazard is not None
+    assert hazard.measure == "Sa"

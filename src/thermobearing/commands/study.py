@@ -205,10 +205,12 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
 
     The figures are written into DIR/figures, those of another demand than the default one into
     DIR/figures/DEMAND, and those of another method than stripes into a folder METHOD there, so that
-    they replace no others. The settings are stored in
+    they replace no others. Figures that an earlier call wrote there and this one does not are
+    removed. The settings are stored in
     DIR/question.toml, which `thermobearing report DIR` reads too.
     """
     from thermobearing.results.directory import FIGURES
+    from thermobearing.studies.figures import remove_earlier
     from thermobearing.studies.question import (
         QUESTION,
         Question,
@@ -230,6 +232,7 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
     if question.method != Question().method:
         folder /= question.method
     files = result.plot.save_all(folder, **end.figures)
+    removed = remove_earlier(result, folder, files)
     save_question(directory, question)
     if not end.quiet:
         for sentence in describe_kept(saved, options, question, str(directory / QUESTION)):
@@ -237,7 +240,14 @@ def _figures(directory: DIRECTORY, options: dict[str, Any], end: Drawn) -> Answe
         result.show()
         for file in files:
             echo_written(file)
-    return {"exit_status": 0, **result.summary(), "files": [str(file) for file in files]}
+        for file in removed:
+            typer.echo(f"removed: {file}, a figure of an earlier call")
+    return {
+        "exit_status": 0,
+        **result.summary(),
+        "files": [str(file) for file in files],
+        "removed": [str(file) for file in removed],
+    }
 
 
 @command(

@@ -3,6 +3,8 @@
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -120,6 +122,7 @@ def _draw_demand(
         ax.tick_params(labelbottom=is_lowest)
     axes[0].set_ylim(0.0, 1.08 * _largest_drawn(quantiles, capacity) or 1.0)
     notes = [
+        result.incomplete,
         pooled_words(result).removeprefix(", "),
         runs.sentence,
         _missing_bands(quantiles, axes),
@@ -178,7 +181,11 @@ def _level_colours(names: list[Any]) -> list[str]:
 
 
 def _draw_fragility(
-    curves: Mapping[Any, Fragility], climate: Fragility | None, title: str, intensity: str
+    curves: Mapping[Any, Fragility],
+    climate: Fragility | None,
+    title: str,
+    intensity: str,
+    incomplete: str = "",
 ) -> Figure:
     """Draw the probability of exceedance against intensity; that of all temperatures in black."""
     figure, (ax,) = drawing.panels(1, 1, (5.6, 4.2), title)
@@ -213,7 +220,8 @@ def _draw_fragility(
     runs = sum(curve.runs for curve in curves.values()) + left_out
     method = next(iter(curves.values())).method
     bands = _describe_bands(list(curves.values()), banded)
-    note = f"{method}; {bands}; {describe_failures(runs, left_out, collapsed, computed, larger)}"
+    failures = describe_failures(runs, left_out, collapsed, computed, larger)
+    note = "; ".join(filter(None, [incomplete, method, bands, failures]))
     texts = [
         f"{_label(name)}: {curve.misfit_words}" for name, curve in curves.items() if curve.misfit
     ]
@@ -287,9 +295,10 @@ def _draw_ida(
     runs: Counted,
     capacity: float,
     medians: Mapping[str, float],
+    title: str,
+    incomplete: str = "",
 ) -> Figure:
     """Draw IDA curves, a panel for each part, with the `medians` of the fragility by part."""
-    title = f"incremental dynamic analysis, {column_words(demand)}"
     columns = min(len(parts), MOST_COLUMNS)
     count = -(-len(parts) // columns)
     size = (max(WIDTH * columns + 0.6, 5.2), max(HEIGHT * count, 3.3) + 0.9)
@@ -322,7 +331,8 @@ def _draw_ida(
     collapses = sum(bool(np.isinf(curve.demand).any()) for curve in curves)
     beyond = f"{outside} of {collapses} curves have their last run before {end} beyond the axis"
     note = f"of these curves, {runs.sentence}"
-    _legend(figure, *axes, note="; ".join([note, *[beyond] * bool(outside)]))
+    notes = [incomplete, note, beyond * bool(outside)]
+    _legend(figure, *axes, note="; ".join(filter(None, notes)))
     return figure
 
 
@@ -511,12 +521,17 @@ class StudyFigures(drawing.Figures):
                     # The median needs no bootstrap.
                     curve = result.fragility(capacity, method="ida", samples=1, **options)
                     medians[name] = curve.stated_median
-        return _draw_ida(curves, demand, self._intensity(), runs, capacity or np.nan, medians)
+        title = f"incremental dynamic analysis, {column_words(demand)}{self._of_bearing()}"
+        limit = np.nan if capacity is None else capacity
+        texts = title, result.incomplete
+        return _draw_ida(curves, demand, self._intensity(), runs, limit, medians, *texts)
 
     def fragility(self) -> Figure:
         """Draw the fragility curves of each temperature and over the climate."""
         title = self._title("fragility")
-        return _draw_fragility(*self._result.find_curves(), title, self._intensity())
+        curves, climate = self._result.find_curves()
+        incomplete = self._result.incomplete
+        return _draw_fragility(curves, climate, title, self._intensity(), incomplete)
 
     def rates(self) -> Figure:
         """Draw the hazard curve and the annual rates of exceedance."""
@@ -529,7 +544,7 @@ class StudyFigures(drawing.Figures):
     def variance(self) -> Figure:
         """Draw the share of each factor in the variance of the demand."""
         demand = self._result.demand_name
-        counts = self._result.lost_demands().sentence
+        counts = _with_incomplete(self._result, self._result.lost_demands().sentence)
         return _draw_variance(self._result.variance(demand), demand, counts)
 
     def _intensity(self) -> str:
@@ -542,10 +557,14 @@ class StudyFigures(drawing.Figures):
 
     def _title(self, what: str) -> str:
         result = self._result
-        names = result.table["bearing"].unique()
-        of = f", {names[0]}" if len(names) == 1 else ""
-        title = f"{what}, {column_words(result.demand_name)} above {limit_words(result)}{of}"
+        title = f"{what}, {column_words(result.demand_name)} above {limit_words(result)}"
+        title += self._of_bearing()
         return ", ".join(filter(None, [title, result.selection]))
+
+    def _of_bearing(self) -> str:
+        """Return the end of a title: the bearing of all runs, or ""."""
+        names = self._result.table["bearing"].unique()
+        return f", {names[0]}" if len(names) == 1 else ""
 
     def draw_all(self) -> dict[str, Callable[[], Figure]]:
         """Return a function for each figure that this study has, by name of its file."""
@@ -571,6 +590,38 @@ class StudyFigures(drawing.Figures):
 
 
 def _count_sentence(result: StudyResult) -> str:
-    return counted(
-        result.table, result.demand_name, result.question.failed, result.capacity
-    ).sentence
+    runs = counted(result.table, result.demand_name, result.question.failed, result.capacity)
+    return _with_incomplete(result, runs.sentence)
+
+
+def _with_incomplete(result: StudyResult, sentence: str) -> str:
+    """Return a sentence on runs after how many of a study that is not complete there are."""
+    return "; ".join(filter(None, [result.incomplete, sentence]))
+
+
+FIGURE_KINDS = ("demand", "variance", "ida", "fragility", "rates")  # beginnings of file names
+FIGURE_ENDINGS = (".png", ".pdf", ".svg")
+
+
+def remove_earlier(result: StudyResult, folder: Path, written: Sequence[Path]) -> list[Path]:
+    """Remove figures in a folder that an earlier call wrote and this one did not; return them.
+
+    They are of fewer runs or of another question. Only names that figures of the study can have
+    are removed: all other files are those of the user.
+    """
+    factors = result.study.factors
+    levels = [
+        [str(level.name) for level in factor.levels or []]
+        for factor in (factors.structure, factors.bearing)
+    ]
+    parts = [
+        "",
+        *(f"-{name}" for name in [*levels[0], *levels[1], *map("-".join, product(*levels))]),
+    ]
+    kept = {*written, *(path.with_suffix(".png") for path in written)}  # each has a picture too
+    names = map("".join, product(FIGURE_KINDS, parts, FIGURE_ENDINGS))
+    earlier = [folder / name for name in names if folder / name not in kept]
+    earlier = [path for path in earlier if path.is_file()]
+    for path in earlier:
+        path.unlink()
+    return earlier

@@ -1,5 +1,6 @@
 """Post-processing options of a parameter study (question.toml)."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -119,7 +120,18 @@ def _hazard_table(path: Path) -> dict[str, Any]:
             "intensity": [with_unit(x, unit) for x in curve.intensity],
             "rate": [with_unit(x, "1/year") for x in curve.rate],
         }
-    raise faults[0]
+    # Most files have the column of one measure: what is wrong with it says more than that those of
+    # the others are missing.
+    found = [error for error in faults if "no column" not in str(error)]
+    fault = (found or faults)[0]
+    if found and "cannot be converted" not in str(fault):
+        raise fault
+    heads = " or ".join(f"{measure} [{unit}]" for measure, unit in INTENSITY_UNITS.items())
+    first, *others = fault.problems
+    # The measure that was tried first is not the one that the file should have.
+    first = re.sub(r'no column "[^"]*"', "no column of an intensity", first, count=1)
+    hint = f"the column of the intensity is headed {heads}; cm/s^2 is converted, g is not"
+    raise InputError([f"{first}; {hint}", *others], str(path))
 
 
 def load_question(directory: Path) -> Question:

@@ -2,7 +2,6 @@
 
 import shlex
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, Unpack, cast
 
@@ -17,13 +16,12 @@ from thermobearing.climate.hourly import Hourly
 from thermobearing.earthquake.run import bearing_weather
 from thermobearing.model.options import ModelOptions
 from thermobearing.quantities.tables import Table
-from thermobearing.quantities.warned import UNUSABLE, Warned
+from thermobearing.quantities.warned import Warned
 from thermobearing.results.base import COMPLETED, Result
 from thermobearing.results.directory import RESOLVED, TABLE
 from thermobearing.results.writing import write_csv
-from thermobearing.studies.curves import Temperature, at_temperature, curve_warnings, other_medians
+from thermobearing.studies.curves import Temperature, at_temperature, other_medians
 from thermobearing.studies.definition.designs import AMBIENT, HOUR, NAMED_FACTORS, Plan
-from thermobearing.studies.definition.motions import study_notes
 from thermobearing.studies.definition.record import (
     COLUMNS,
     Posterior,
@@ -71,7 +69,6 @@ from thermobearing.studies.statistics.variance import (
     find_lost,
     sobol_table,
     variance_shares,
-    wide_note,
 )
 from thermobearing.studies.store import Store
 from thermobearing.studies.tables import (
@@ -80,6 +77,7 @@ from thermobearing.studies.tables import (
     find_unit,
     result_tables,
 )
+from thermobearing.studies.validity import study_warnings
 
 T = TypeVar("T")
 FACES = ("upper_face", "lower_face", "side")
@@ -87,6 +85,7 @@ FACES = ("upper_face", "lower_face", "side")
 
 LAW_FILE = "FILE.py"  # to be replaced by the reader
 NUMBERS = ("scale", AMBIENT, HOUR)
+INCOMPLETE = "incomplete"  # in the manifest of some runs: how many of the study there are
 
 
 @checked
@@ -140,9 +139,16 @@ class StudyResult(Result):
     @property
     def outcome(self) -> str:
         """The word "completed", "some_failed" or "incomplete"."""
-        if self.runs < int(self.manifest.get("runs", self.runs)):
+        if self.incomplete:
             return "incomplete"
         return "some_failed" if self.failed else "completed"
+
+    @property
+    def incomplete(self) -> str:
+        """How many runs of the whole study are there; "" if all are."""
+        runs = int(self.manifest.get("runs", self.runs))
+        words = f"{self.runs} of {runs} runs are complete" if self.runs < runs else ""
+        return words or str(self.manifest.get(INCOMPLETE, ""))
 
     @property
     def headline(self) -> str:
@@ -189,31 +195,7 @@ class StudyResult(Result):
     @property
     def warnings(self) -> list[str]:
         """Warnings about the validity of the result."""
-        messages: list[str] = []
-        if self.outcome == "incomplete":
-            completion = f"{self.runs} of {self.manifest['runs']} runs are complete"
-            messages.append(Warned(completion, "incomplete", UNUSABLE))
-        if self.failed:
-            messages.append(Warned(self._failure_sentence(), "failed_runs", UNUSABLE))
-        messages += self.beyond_ranges()
-        messages += curve_warnings(self)
-        if self.has_variance and (lost := self.lost_demands()).many:
-            sentence = f"shares of the variance: {lost.sentence}"
-            messages.append(Warned(sentence, "variance_incomplete", UNUSABLE))
-        if self._has_sobol_design and self.has_variance:
-            with suppress(InputError):  # the demand is the same in all runs
-                indices = self.variance(self.demand_name)
-                indices["factor"] = indices["factor"].map(column_words)
-                if wide := wide_note(indices):
-                    messages.append(Warned(wide, "wide_indices"))
-        if MATRIX in self.table and not self._has_sobol_design:
-            ratios = (
-                "the shares of variance are correlation ratios, not Sobol' indices, which need "
-                "one combination of levels (motion, bearing, structure, temperature): make a study "
-                "of each"
-            )
-            messages.append(Warned(ratios, "correlation_ratios"))
-        return messages + study_notes(self.study)
+        return study_warnings(self)
 
     def beyond_ranges(self, least: float = FEW_BEYOND) -> list[Warned]:
         """Return which runs leave the calibration range of each bearing, if a share above `least`.
@@ -353,7 +335,7 @@ class StudyResult(Result):
             selected &= self.table[name].isin(values).to_numpy(dtype=bool)
         if not selected.any():
             raise InputError(f"no run has {chosen}")
-        manifest = {**self.manifest, "runs": int(selected.sum())}
+        manifest = {**self.manifest, "runs": int(selected.sum()), INCOMPLETE: self.incomplete}
         table = self.table[selected].reset_index(drop=True)
         return StudyResult(table, self.study, manifest, self.directory, self.question)
 

@@ -149,10 +149,7 @@ def answer(result: "StudyResult") -> list[str]:
         for row in count_failures(result.table).to_dict("records")
     ]
     lost = f"; {counted(result.failed, 'run')} failed ({'; '.join(modes)})" if modes else ""
-    planned = int(result.manifest.get("runs", result.runs))
-    completion = (
-        f"All {planned} runs are complete" if result.runs == planned else result.warnings[0]
-    )
+    completion = result.incomplete or f"All {result.runs} runs are complete"
     sentences = [f"{completion}{lost}."]
     parts = {f"{name}: " if name else "": part for name, part in result.parts().items()}
     for prefix, part in parts.items():

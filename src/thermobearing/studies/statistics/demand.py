@@ -42,7 +42,7 @@ from thermobearing.quantities.words import joined, percent
 from thermobearing.results.base import COMPLETED
 from thermobearing.results.ranges import NO_RANGE_STATED, TESTED, Ends
 from thermobearing.studies.definition.designs import AMBIENT
-from thermobearing.studies.run.shard import BAD_INPUT, BEYOND_TESTED, BROKEN, LIMITS_PASSED
+from thermobearing.studies.run.shard import BAD_INPUT, BEYOND_TESTED, BROKEN, DAMPING, LIMITS_PASSED
 
 SAMPLES = 500  # of a bootstrap, by default
 LEVEL = 0.95  # confidence of bands, by default
@@ -567,7 +567,7 @@ def worst_runs(table: "pd.DataFrame", count: int = WORST, by: str | None = None)
 # Column with the values of a limit, of which tables tell the side that a run is outside on.
 SIDES = {"strain": STRAIN, "ambient": AMBIENT, "lead_temperature": "lead_max_degC"}
 # Columns that statistics of a demand need besides it and the factors.
-STATISTICS = (OUTCOME, "sentence", LIMITS_PASSED, BEYOND_TESTED, *RANKED, *SIDES.values())
+STATISTICS = (OUTCOME, "sentence", LIMITS_PASSED, BEYOND_TESTED, DAMPING, *RANKED, *SIDES.values())
 
 
 def extrapolations(
