@@ -18,6 +18,7 @@ from thermobearing.bearing.scaling import EXPONENTS, resized
 from thermobearing.border.errors import InputError, OutputError
 from thermobearing.border.library import data_path
 from thermobearing.cli import app
+from thermobearing.earthquake.measures import LARGEST_DAMPING_SHARE, damping_sentence
 from thermobearing.live import page
 
 ENGINE = "import { a } from './a.js';\nexport async function createEngine() { return 1; }\n"
@@ -156,3 +157,13 @@ def test_a_page_replaces_no_file_unless_asked(
     words = ["live", "-o", str(file), "--overwrite", "--documents", "../index.html"]
     assert CliRunner().invoke(app, words).exit_code == 0
     assert file.read_text() == "page../index.html"
+
+
+def test_viscous_damping_has_the_words_of_bridge() -> None:
+    """The page fills the sentence that `bridge` prints, from the same limit."""
+    words = tomllib.loads(data_path("live", "words.toml").read_text(encoding="utf-8"))
+    values = {"least": "25", "n": "1", "all": "2", "v": "43"}
+    shown = words["damping_note"]["en"].format_map(values).replace(" %", "%").removesuffix(".")
+    printed = damping_sentence(np.array([0.43, 0.21]), "modal").replace(" (modal)", "")
+    assert printed.lower().startswith(shown.lower())
+    assert f"{LARGEST_DAMPING_SHARE:.0%}" == "25%"

@@ -5,10 +5,10 @@ function runCase(engine, { changes, ambient, test, motion }) {
   if (!found.ok) return { refused: found.errors.map((error) => error.message) };
   const { bearing } = found;
   if (motion) {
-    const { outcome, time, bearing: line, pier, peaks } =
+    const { outcome, time, bearing: line, pier, peaks, damping_of_input } =
       engine.bridge({ bearing, ambient, motion, keepEvery: 1 });
     return { outcome, time, displacement: line.displacement_mm, force: line.force_kN,
-      temperature: line.layer_temperature, rotation: pier.rotation, peaks, lead_ends: bearing.lead_ends };
+      temperature: line.layer_temperature, rotation: pier.rotation, damping_of_input: [damping_of_input], peaks, lead_ends: bearing.lead_ends };
   }
   const { outcome, time, displacement, force, layers, lead, cycles, softened, steps } =
     engine.cyclicTest({ bearing, ambient, test });

@@ -132,12 +132,14 @@ def run_in_python(one: dict[str, Any]) -> dict[str, Any]:
         table |= {"ambient": [f"{one['ambient']:g} degC"]}
         (task,) = build_tasks(make_earthquake_case(table, "live"))
         history = run_task(task)  # a result has its histories in single precision
+        energies = history.rows.energies
         return {
             "outcome": history.outcome,
             "displacement": history.bearing()["displacement"],
             "force": history.bearing()["force"],
             "temperature": history.layers().ravel(),
             "rotation": history.hinge(0)["rotation"],
+            "damping_of_input": energies["damping"][-1:] / energies["input"][-1:],
         }
     steps: Any = [step_in_python(step) for step in one["test"]["steps"]]
     result = tb.run(bearing, CyclicTest(dt=DT, steps=steps), one["ambient"])
@@ -186,6 +188,7 @@ def differ(mine: Any, theirs: Any) -> float:
     return float(np.abs(np.asarray(mine, dtype=float) - np.asarray(theirs, dtype=float)).max())
 
 
+HISTORIES = ("displacement", "force", "rotation", "damping_of_input")
 MEASURES = {  # of a cycle: in the page, in Python
     "G_eq_MPa": "G_eq_MPa",
     "stiffness_kN_mm": "K_eq_kN_mm",
@@ -201,7 +204,7 @@ def compared(one: dict[str, Any], page: dict[str, Any]) -> dict[str, float]:
     mine = run_in_python(one)
     assert page["outcome"] == mine["outcome"]
     assert page.get("softened") == mine.get("softened")
-    histories = [key for key in ("displacement", "force", "rotation") if key in mine]
+    histories = [key for key in HISTORIES if key in mine]
     result = {k: differ(page[k], mine[k]) / float(np.abs(mine[k]).max()) for k in histories}
     result["temperature"] = differ(page["temperature"], mine["temperature"])
     if mine.get("lead") is not None:
@@ -215,7 +218,7 @@ def compared(one: dict[str, Any], page: dict[str, Any]) -> dict[str, float]:
 
 
 LIMITS = {
-    **dict.fromkeys(("displacement", "force", "rotation"), 1e-10),  # of the peak
+    **dict.fromkeys(HISTORIES, 1e-10),  # of the peak
     **dict.fromkeys(("temperature", "lead"), 1e-9),  # [K]
     **dict.fromkeys(MEASURES, 1e-9),
     # A point at 50 % of a sine belongs to the fit or not by the last bit of the sine.

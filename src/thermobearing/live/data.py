@@ -51,6 +51,7 @@ from thermobearing.model.outcomes import (
 from thermobearing.model.stack import MM_PER_M, EndFace
 from thermobearing.motions.library import load_motion
 from thermobearing.motions.record import GroundMotion
+from thermobearing.results.metrics import LEAST_ENERGY
 from thermobearing.structure.model import load_structure, reported_line
 from thermobearing.structure.run import (
     BETA,
@@ -172,6 +173,7 @@ def engine_data(models: Sequence[tuple[Bearing, BearingModel]]) -> dict[str, Any
             "coldest": coldest,
             "hottest": hottest,
             "strain": LARGEST_STRAIN,
+            "least_energy": LEAST_ENERGY,
             "thinnest_sealing": THINNEST_SEALING,
             "yield_strain": [EARLIEST, LATEST],
             "modulus_MPa": [SOFTEST, HARDEST],

@@ -729,11 +729,13 @@ export class Engine {
       layer_temperature_degC: highest(temperature),
       lead_temperature_degC: constants.lead.cores > 0 ? Math.max(...each.map((b) => highest(column("lead_temperature", b)))) : NaN,
     };
+    const [damped, entered] = ["damping", "input"].map((name) => kernels.column(name, rows.energies, kept)[kept - 1]);
     const outcome = this.judged({ kind, rows, ended, constants, pier, strain: peaks.bearing_strain, ductility: Math.max(0, ...turned), along });
     return {
       outcome,
       sentence: this.data.outcomes.sentences[outcome],
       steps: done,
+      damping_of_input: damped / Math.max(entered, this.data.limits.least_energy),
       time: kernels.column("clock", rows.energies, kept),
       ground: places.map((k) => ground[k]),
       bearing: {

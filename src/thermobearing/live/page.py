@@ -21,6 +21,7 @@ from thermobearing.border.text_file import check_file, write_file
 from thermobearing.border.toml import read_toml
 from thermobearing.cyclic.case import Case
 from thermobearing.cyclic.protocol import Cycles
+from thermobearing.earthquake.measures import LARGEST_DAMPING_SHARE
 from thermobearing.live.data import engine_source, live_data, live_module
 from thermobearing.model.outcomes import temperature_limits
 from thermobearing.motions.record import ACCELERATION_UNITS, ASSERTED
@@ -125,6 +126,7 @@ def assemble(
         "version": version("thermobearing"),
         "slack": SLACK,
         "slack_kelvin": SLACK_KELVIN,
+        "damping_share": LARGEST_DAMPING_SHARE,
         "counting": {"extreme": EXTREME, "rest_s": REST},
         "fitting": _fitting(),
         "warm_lead": limits.lead_near_melting * limits.lead_melts,

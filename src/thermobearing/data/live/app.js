@@ -476,6 +476,9 @@ function showBridge() {
   const beyond = outside(asked);
   const tested = bearing.tested_range?.strain_rate?.[1] ?? Infinity; // earthquakes are faster: a note, as in Python
   const notes = fastest > tested * (1 + page.slack) ? [t("rate_note", { v: short(fastest), high: short(tested), n: short(fastest / tested) })] : [];
+  const damped = [cold, warm].map((run) => run.damping_of_input);
+  const much = damped.filter((share) => share > page.damping_share);
+  if (much.length) warnings.push(t("damping_note", { least: short(100 * page.damping_share), n: much.length, all: damped.length, v: Math.round(100 * Math.max(...much)) }));
   tell("bridge-answer", { lines, warnings: [...warnings, ...beyond], notes, within: !beyond.length && !notes.length });
   draw("bridge_strain", "bridge_force", "bridge_pier");
   describe(["bridge_strain", "bridge_force", "bridge_pier"]);
