@@ -22,7 +22,7 @@ from thermobearing.studies.result import StudyResult
 from thermobearing.studies.statistics import fragility
 from thermobearing.studies.statistics.demand import ANY, counted, demand_against, quantile
 from thermobearing.studies.statistics.fragility import fragility_curve
-from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES
+from thermobearing.studies.statistics.hazard import ALL_TEMPERATURES, RATE_OF_COUNTS
 
 
 def legend(figure: Any) -> list[str]:
@@ -71,6 +71,31 @@ def test_a_step_among_the_temperatures_leaves_no_curve_of_all() -> None:
     usual = whole.parts()["shen-hdr-bridge"].find_curves()[1]
     assert usual is not None
     assert usual.is_drawable
+
+
+def test_a_rate_with_bounds_names_its_outcome_in_sentence_table_and_figure() -> None:
+    """Below one intensity no run of the cold exceeds the capacity, and from the next all do."""
+    part = made_up().parts()["shen-hdr-bridge"]
+    scales = np.unique(part.table["scale"])
+    cold = part.table["ambient_degC"] == -20.0
+    step = np.where(part.table["scale"] > scales[2], 1.5, 0.5)
+    table = part.table.assign(PGA_m_s2=8.0 * part.table["scale"], outcome="completed")
+    table["pier_ductility"] = np.where(cold, step, table["PGA_m_s2"] / 4.0)
+    hours = np.repeat([-20.0, 23.0], [1, 3])
+    result = ask(StudyResult(table, part.study, part.manifest), hours, capacity=1.0, hazard=HAZARD)
+    rates = result.find_rates()[1]
+    assert rates[-20.0].is_bounded
+    assert rates["climate"].is_bounded
+    (sentence,) = [text for text in result.notes() if "years" in text]
+    assert "apart" in sentence
+    assert "nan" not in sentence
+    rows = result.tables()["rates"]
+    assert "25.0 % (−20 °C)" in rows.note
+    assert RATE_OF_COUNTS in rows.note
+    ax = result.plot.rates().axes[1]
+    assert "(apart, bounds)" in " ".join(text.get_text() for text in ax.get_xticklabels())
+    ends = [line.get_ydata() for line in ax.lines if line.get_linestyle() == ":"]
+    assert_allclose(ends[0], [rates[-20.0].low, rates[-20.0].high])
 
 
 @pytest.mark.parametrize("method", ["stripes", "cloud"])

@@ -31,9 +31,11 @@ from thermobearing.studies.statistics.fragility import (
 from thermobearing.studies.statistics.ida import ida_curves
 from thermobearing.studies.statistics.likelihood import (
     MOST_STRIPES,
+    Curves,
     _classes,
     _fit_curves,
     cloud,
+    pivoted,
     stripes,
 )
 from thermobearing.studies.statistics.variance import sobol_table, variance_shares
@@ -92,7 +94,51 @@ def test_counts_without_a_curve(
     numbers = [row["median"], row["dispersion"], result.probability(1.5)[0]]
     assert np.isfinite(numbers).all() == (outcome == "completed")
     rate = hazard.annual_rate(result, HAZARD)
-    assert np.isfinite(rate.rate) == (outcome != "not_rising")
+    has_bounds = outcome in ("all_beyond", "apart")
+    assert (rate.is_bounded, np.isfinite(rate.high)) == (has_bounds, outcome != "not_rising")
+    assert np.isnan(rate.rate) == (has_bounds or outcome == "not_rising")
+    assert (rate.low < rate.high) == (outcome != "not_rising")
+
+
+def test_a_step_has_the_rates_that_its_counts_allow() -> None:
+    """The median may lie anywhere between the two intensities; shares count where they are mixed.
+
+    At 95 % one of six exceedances has a probability of 0.0042 to 0.6412 (Clopper & Pearson).
+    """
+    at = np.repeat([1.0, 2.0, 4.0], 6)
+    drift = np.where(at < 4.0, 0.1, 3.0)
+    motion = np.tile(np.arange(6), 3)
+    table = split_runs(im=at, drift=drift, motion=motion)
+    step = fragility_curve(table, "drift", 1.0, "im", samples=20)
+    rate = hazard.annual_rate(step, HAZARD)
+    rates = HAZARD.at([1.0, 2.0, 4.0])
+    assert_allclose([rate.low, rate.high], rates[:0:-1], rtol=1e-12)
+    assert hazard.RATE_OF_COUNTS in rate.notes
+    drift[6] = 3.0  # one of six exceeds the capacity at 2
+    mixed = fragility_curve(table.assign(drift=drift), "drift", 1.0, "im", samples=20)
+    assert mixed.outcome == "apart"
+    other = hazard.annual_rate(mixed, HAZARD)
+    low = 0.00421 * (rates[1] - rates[2]) + rates[2]
+    high = 0.64123 * (rates[0] - rates[1]) + rates[1]
+    assert_allclose([other.low, other.high], [low, high], rtol=1e-3)
+    quotient, *ends = hazard.ratio(rate, other)
+    assert np.isnan(quotient)
+    assert_allclose(ends, [rate.low / other.high, rate.high / other.low])
+    mean = hazard.annual_rate(combine_curves({0.0: step, 20.0: mixed}, [0.25, 0.75]), HAZARD)
+    assert_allclose(mean.low, 0.25 * rate.low + 0.75 * other.low)
+    assert_allclose(mean.high, 0.25 * rate.high + 0.75 * other.high)
+
+
+def test_two_motions_have_no_division_by_zero() -> None:
+    at = np.repeat([1.0, 2.0, 3.0, 4.0], 2)
+    drift = [0.1, 0.1, 3.0, 0.1, 0.1, 3.0, 3.0, 3.0]
+    table = split_runs(im=at, drift=drift, motion=np.tile([0, 1], 4))
+    best, draws = (
+        Curves(np.array(place), np.array(slope))
+        for place, slope in (([0.0], [2.0]), ([0.1, 0.1], [1.0, 3.0]))
+    )
+    assert np.isinf(pivoted(best, draws, 2, 0.95).slope).tolist() == [True, False]
+    assert fragility_curve(table, "drift", 1.0, "im", samples=20).estimate.known
 
 
 def test_one_mixed_intensity_is_passed_on_the_side_of_the_half() -> None:

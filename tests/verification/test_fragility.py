@@ -408,9 +408,12 @@ def test_band_and_ratio_of_rates() -> None:
 
 
 def test_the_band_of_a_ratio_is_of_the_samples_alone() -> None:
-    cold = Rate(10.0, 0.0, 0.0, np.array([1.0, 3.0, 2.0, np.nan]))
+    cold = Rate(2.5, 0.0, 0.0, np.array([1.0, 3.0, 2.0, np.nan]))
     warm = Rate(1.0, 0.0, 0.0, np.ones(4))
-    assert ratio(cold, warm) == (10.0, 1.0, 3.0)
+    assert ratio(cold, warm) == (2.5, 1.0, 3.0)
+    # Where all samples are on one side of the ratio, the band is extended to it.
+    above = Rate(10.0, 0.0, 0.0, cold.family)
+    assert ratio(above, warm) == (10.0, 1.0, 10.0)
 
 
 def test_climate_is_the_mean_of_its_temperatures() -> None:

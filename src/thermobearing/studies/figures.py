@@ -405,6 +405,11 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     floor = top * 10.0**-DECADES if top > 0.0 else 1e-9
     for place, name in enumerate(names):
         rate, colour = rates[name], warm.get(name, drawing.INK)
+        if rate.is_bounded and not rate.few_motions:
+            ends = [max(end, floor) for end in (rate.low, rate.high)]
+            between: drawing.Look = {"color": colour, "linewidth": 1.0, "linestyle": ":"}
+            ax.plot([place, place], ends, marker="_", markersize=8, **between)
+            continue
         if not rate.rate > 0.0:
             reason = "no exceedance,\nupper bound" if rate.rate == 0.0 else "no curve"
             look: drawing.Look = {"ha": "center", "color": drawing.GREY}
@@ -425,12 +430,18 @@ def _bars(ax: Axes, rates: Mapping[Any, Rate]) -> None:
     ax.set_yscale("log")
     ax.tick_params(which="both", labelsize=drawing.SMALL)
     ax.set_xlim(-0.6, len(names) - 0.4)
-    remarks = [f"\n({CONTRADICTED})" * (rates[name].outcome == CONTRADICTED) for name in names]
-    ticks = [f"{_label(name)}{remark}" for name, remark in zip(names, remarks, strict=True)]
+    ticks = [f"{_label(name)}{_remark(rates[name])}" for name in names]
     rotated: drawing.Look = {"rotation": 30, "ha": "right"} if len(names) > 4 else {}
     ax.set_xticks(range(len(names)), ticks, **rotated)
     ax.grid(False, axis="x")
     drawing.name_axes(ax, "", "rate of exceedance [1/year]")
+
+
+def _remark(rate: Rate) -> str:
+    """Return what is wrong with a rate, on a line below its name; "" where nothing is."""
+    if rate.outcome == CONTRADICTED:
+        return f"\n({CONTRADICTED})"
+    return f"\n({rate.outcome.replace('_', ' ')}, bounds)" if rate.is_bounded else ""
 
 
 KINDS = {

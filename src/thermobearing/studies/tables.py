@@ -30,7 +30,7 @@ from thermobearing.studies.statistics.demand import (
 from thermobearing.studies.statistics.demand import counted as count_failed
 from thermobearing.studies.statistics.fragility import Fragility
 from thermobearing.studies.statistics.hazard import CLIMATE, TOGETHER, Rate
-from thermobearing.studies.statistics.likelihood import NONE_BEYOND, with_intensity_unit
+from thermobearing.studies.statistics.likelihood import ALL_BEYOND, NONE_BEYOND, with_intensity_unit
 from thermobearing.studies.statistics.variance import sampling_note
 from thermobearing.studies.store import label_plan
 
@@ -44,6 +44,10 @@ DECIMALS_OF_SHARES = 4  # of a curve, far finer than the shares of its runs
 OF_CURVE = ["probability", "low", "high"]  # columns of counts that a curve has
 DISPERSION_BANDS = ("dispersion_low", "dispersion_high")
 RATE_BANDS = ("rate_low", "rate_high", "over_low", "over_high")
+ALL_BEYOND_WORDS = "all runs exceed the capacity, also at the smallest intensity"
+RATIOS = ("over_reference", "over_low", "over_high")
+NO_UPPER = "no upper bound"  # of a ratio
+NO_EXCEEDANCE = "the rate at {} may be zero in samples of its motions"
 RATE_UNITS = dict.fromkeys(["rate", "rate_low", "rate_high"], "1/year")
 RATE_UNITS |= {"return_period_years": "year"}
 # Columns that are not in a table of curves.
@@ -171,28 +175,47 @@ def _rate_sentences(part: "StudyResult", prefix: str) -> list[str]:
     curves, rates = part.find_rates()
     table = part.rates_table(curves, rates)
     rows, warm = [table.iloc[-1]], temperature_words(list(curves)[-1])
-    largest = table["rate"].fillna(0.0).argmax()
-    if rows[0]["name"] not in TOGETHER and table["rate"].iloc[largest] > rows[0]["rate"]:
+    # Of a rate with bounds the upper one, since it may be the largest.
+    sizes = table["rate"].fillna(table["rate_high"]).fillna(0.0)
+    largest = sizes.argmax()
+    if rows[0]["name"] not in TOGETHER and sizes.iloc[largest] > sizes.iloc[-1]:
         rows.insert(0, table.iloc[largest])
     sentences: list[str] = []
     for row in rows:
-        where = temperature_words(row["name"])
+        where, rate = temperature_words(row["name"]), rates[row["name"]]
         if row["name"] in TOGETHER:
             where = _over(row["name"])
         elif len(rows) > 1 and not sentences:
-            where += ", which governs"
-        period = _period(rates[row["name"]])
-        ratio = ""
-        if 0.0 < row["over_reference"] < np.inf and temperature_words(row["name"]) != warm:
-            ratio = f", {row['over_reference']:.2f} times as often as at {warm}"
-            # Too few motions have no band.
-            if not rates[row["name"]].few_motions:
-                ratio = f"{ratio} ({row['over_low']:.2f} to {row['over_high']:.2f})"
+            where += ", which may govern" if rate.is_bounded else ", which governs"
+        ratio = _ratio_words(row, rate, warm) if temperature_words(row["name"]) != warm else ""
         where = where if prefix else _head(where)
         if row["outcome"] == CONTRADICTED:
             ratio += f", of a curve that is {CONTRADICTED} by its own runs"
-        sentences.append(f"{prefix}{where}: {period}{ratio}.")
+        sentences.append(f"{prefix}{where}: {_period(rate)}{ratio}.")
     return sentences
+
+
+def _ratio_words(row: Any, rate: Rate, warm: str) -> str:
+    """Return how often a capacity is exceeded in comparison with the warmest temperature."""
+    quotient, low, high = (float(row[name]) for name in RATIOS)
+    times = f"times as often as at {warm}"
+    # Too few motions have no band.
+    if not 0.0 < quotient < np.inf:
+        has_bounds = np.isnan(quotient) and low < np.inf and not rate.few_motions
+        return f", {_ends_of(low, high, warm)} {times}" if has_bounds else ""
+    band = f" ({_ends_of(low, high, warm)})" if not rate.few_motions else ""
+    return f", {quotient:.2f} {times}{band}"
+
+
+def _ends_of(low: float, high: float, warm: str) -> str:
+    """Return the ends of a band of a ratio, and why it has no upper one.
+
+    >>> _ends_of(0.5, 2.0, "23 °C"), _ends_of(0.5, np.inf, "23 °C").partition(":")[0]
+    ('0.50 to 2.00', '0.50 or more; no upper bound')
+    """
+    if high < np.inf:
+        return f"{low:.2f} to {high:.2f}"
+    return f"{low:.2f} or more; {NO_UPPER}: {NO_EXCEEDANCE.format(warm)}"
 
 
 LONGEST_PERIOD = 1e6  # [year] that is written without a power of ten
@@ -300,12 +323,18 @@ def _contradictions(curves: Mapping[Any, Fragility], prefix: str) -> list[str]:
 
 def _period(rate: Rate) -> str:
     """Return the return period with its band, or a bound."""
+    last = f" to {_years(1.0 / rate.low)}" if rate.low > 0.0 else " or more"
+    if rate.outcome == ALL_BEYOND and rate.low > 0.0 and not rate.few_motions:
+        # The upper end is that of the hazard curve, not of the counts.
+        return f"exceeded once in {_years(1.0 / rate.low)} years or less ({ALL_BEYOND_WORDS})"
+    if rate.is_bounded and not rate.few_motions:
+        reason = f"{rate.outcome}: bounds of the counts, which determine no curve"
+        return f"exceeded once in {_years(1.0 / rate.high)}{last} years ({reason})"
     if np.isnan(rate.rate):
         return "there is no fragility curve; see the tables"
     if rate.rate == 0.0:
         bound = f": the return period is at least {_years(1.0 / rate.high)} years"
         return f"no run exceeds the capacity{bound if rate.high > 0.0 else ''}"
-    last = f" to {_years(1.0 / rate.low)}" if rate.low > 0.0 else " or more"
     band = rate.few_motions or f"{_years(1.0 / rate.high)}{last}"
     return f"exceeded once in {_years(rate.return_period)} years ({band})"
 
@@ -464,22 +493,47 @@ def _curve_tables(part: "StudyResult", name: str) -> dict[str, Table]:
     }
     tables |= _count_tables(all_curves, part, name)
     if rates:
-        rows = part.rates_table(curves, rates)
-        few_motions = [rate.few_motions for rate in rates.values()]
-        _mark_cells(rows, np.array([bool(text) for text in few_motions]), RATE_BANDS)
-        rows["name"] = rows["name"].map(temperature_words)
-        over = f"Ratio to {temperature_words(list(curves)[-1])}"
-        heads = {"name": ambient, "in_50_years": "Probability in 50 years"}
-        heads |= {"return_period_years": "Return period", "over_reference": over}
-        heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
-        tables[f"rates{ending}"] = _table(
-            rows.drop(columns=["reference", "notes"]),
-            f"Annual rates{of}",
-            units=RATE_UNITS,
-            heads=heads,
-            note="; ".join(dict.fromkeys(text for text in [*few_motions, *rows["notes"]] if text)),
-        )
+        tables[f"rates{ending}"] = _rates_table(part, curves, rates, of)
     return tables
+
+
+def _rates_table(
+    part: "StudyResult", curves: Mapping[Any, Fragility], rates: Mapping[Any, Rate], of: str
+) -> Table:
+    """Return annual rates, with the weights of the temperatures and what limits a rate."""
+    rows = part.rates_table(curves, rates)
+    few_motions = [rate.few_motions for rate in rates.values()]
+    warm = temperature_words(list(curves)[-1])
+    notes = [*few_motions, *rows["notes"], _weights_note(list(part.all_curves().values())[-1])]
+    unlimited = np.isinf(rows["over_high"].to_numpy(dtype=float))
+    if unlimited.any():
+        rows["over_high"] = rows["over_high"].astype(object).where(~unlimited, NO_UPPER)
+        notes.append(f"{NO_UPPER}: {NO_EXCEEDANCE.format(warm)}")
+    _mark_cells(rows, np.array([bool(text) for text in few_motions]), RATE_BANDS)
+    rows["name"] = rows["name"].map(temperature_words)
+    over = f"Ratio to {warm}"
+    heads: dict[str, str] = {
+        "name": _head(column_words(AMBIENT)),
+        "in_50_years": "Probability in 50 years",
+    }
+    heads |= {"return_period_years": "Return period", "over_reference": over}
+    heads |= {"over_low": f"{over}, low", "over_high": f"{over}, high"}
+    return _table(
+        rows.drop(columns=["reference", "notes"]),
+        f"Annual rates{of}",
+        units=RATE_UNITS,
+        heads=heads,
+        note="; ".join(dict.fromkeys(filter(None, notes))),
+    )
+
+
+def _weights_note(curve: Fragility) -> str:
+    """Return the weights of the temperatures in the rate of their mean; "" of one curve."""
+    weights = joined(
+        f"{percent(share, 1)} ({temperature_words(at)})" for at, share in curve.shares.items()
+    )
+    between = "an hour between two levels counts for both, by linear interpolation"
+    return f"weights over the {curve.name}: {weights} of the time; {between}" if weights else ""
 
 
 def _count_tables(

@@ -5,9 +5,17 @@ number of exceedances is compared with the binomial interval of the curve. The i
 all counts together with the confidence of the bands (Bonferroni), if the runs are independent.
 Counts of stripes and of a cloud are those of runs; of IDA those of the single curves that have
 reached the capacity, whose shares are the empirical distribution of their capacities.
+
+Counts that determine no curve have bounds of the probability. It rises with the intensity: between
+two intensities of the runs it is at least that of the smaller and at most that of the larger one.
+The share of exceedances at an intensity with both outcomes is known within the interval of Clopper
+& Pearson (1934, Biometrika 26: 404-413). Where no run exceeds the capacity the probability is taken
+as 0, and where all do as 1, once enough runs have that outcome for a sign test of the median (six
+at 95 %); the rate then lies between those of a median at either intensity.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -139,3 +147,61 @@ def find_half(comparison: "pd.DataFrame") -> tuple[float, float] | None:
     if first == 0:
         return None
     return float(comparison["first"].iloc[first - 1]), float(comparison["last"].iloc[first])
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Smallest and largest probability of exceedance at intensities, which rise along them."""
+
+    first: Floats  # smallest and largest intensity of the runs of each level or class
+    last: Floats
+    low: Floats  # ends of the probability
+    high: Floats
+
+    def at_ends(self, smallest: float, largest: float) -> Floats:
+        """Return the largest probability at one intensity, and the smallest at a larger one."""
+        upper, lower = np.append(self.high, 1.0), np.append(0.0, self.low)
+        place = np.searchsorted(self.first, smallest), np.searchsorted(self.last, largest, "right")
+        return np.array([upper[place[0]], lower[place[1]]])
+
+
+def least_runs(level: float) -> int:
+    """Return how many equal outcomes exclude the median by a sign test: six at 95 %."""
+    return int(np.ceil(np.log2(2.0 / (1.0 - level))))
+
+
+def bounds_of(counts: "pd.DataFrame", name: str, level: float) -> Bounds:
+    """Return the probabilities that counts allow, at a confidence for each intensity.
+
+    `counts` has the intensity `name`, numbers of `runs` and of those `beyond` the capacity, and
+    `first` and `last` of classes of intensities; `most` may be beyond where that is not known.
+    """
+    runs, beyond = (counts[column].to_numpy(dtype=float) for column in ("runs", "beyond"))
+    most = counts["most"].to_numpy(dtype=float) if "most" in counts else beyond
+    first, last = (
+        counts[end if end in counts else name].to_numpy(dtype=float) for end in ("first", "last")
+    )
+    tail, needed = 0.5 * (1.0 - level), least_runs(level)
+    low = np.where(
+        beyond > 0.0,
+        scipy.special.betaincinv(np.maximum(beyond, 1.0), runs - beyond + 1.0, tail),
+        0.0,
+    )
+    high = np.where(
+        most < runs,
+        scipy.special.betaincinv(most + 1.0, np.maximum(runs - most, 1.0), 1.0 - tail),
+        1.0,
+    )
+    none = np.cumsum(most) == 0.0
+    every = np.cumsum((runs - beyond)[::-1])[::-1] == 0.0
+    # Where no run exceeds the capacity, those at larger intensities that do not either count too;
+    # where all do, those at smaller intensities that do.
+    without = np.cumsum((runs * none)[::-1])[::-1]
+    with_all = np.cumsum(runs * every)
+    high = np.where(
+        none, np.where(without >= needed, 0.0, 1.0 - tail ** (1.0 / np.maximum(without, 1.0))), high
+    )
+    low = np.where(
+        every, np.where(with_all >= needed, 1.0, tail ** (1.0 / np.maximum(with_all, 1.0))), low
+    )
+    return Bounds(first, last, np.maximum.accumulate(low), np.minimum.accumulate(high[::-1])[::-1])

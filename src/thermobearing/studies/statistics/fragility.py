@@ -37,6 +37,7 @@ from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
 from thermobearing.studies.statistics.comparison import (
     CONTRADICTED,
     Contradiction,
+    bounds_of,
     compare_counts,
     find_contradiction,
     find_half,
@@ -153,6 +154,7 @@ class Fragility:
     # of IDA: for each intensity number of single curves, and of those that reached the capacity
     reached: "pd.DataFrame | None" = None
     contradicted: Sequence[str] = ()  # of several curves: names of those that contradict their runs
+    shares: Mapping[float, float] = field(default_factory=dict)  # of several curves: by temperature
 
     def __repr__(self) -> str:
         """Return method, question and median on one line; `row` has all numbers."""
@@ -241,6 +243,11 @@ class Fragility:
         """
         outcomes = {estimate.outcome for _, estimate in self.parts}
         return COMPLETED in outcomes and outcomes <= {COMPLETED, NONE_BEYOND}
+
+    @property
+    def is_rising(self) -> bool:
+        """Whether the shares of exceedances rise with the intensity, of all temperatures."""
+        return all(estimate.outcome != NOT_RISING for _, estimate in self.parts)
 
     @property
     def few_motions(self) -> str:
@@ -381,7 +388,7 @@ class Fragility:
     def probability(self, intensity: Any) -> Floats:
         """Return the probability at intensities; NaN where the share does not rise with them."""
         at = np.atleast_1d(np.asarray(intensity, dtype=float))
-        if any(estimate.outcome == NOT_RISING for _, estimate in self.parts):
+        if not self.is_rising:
             return np.full(len(at), np.nan)
         return np.asarray(sum(share * estimate.probability(at) for share, estimate in self.parts))
 
@@ -393,7 +400,7 @@ class Fragility:
 
     def ends(self, values: Floats) -> tuple[Floats, Floats]:
         """Return the ends of the band of a number that was computed from each curve of `family`."""
-        if any(estimate.outcome == NOT_RISING for _, estimate in self.parts):
+        if not self.is_rising:
             missing = np.full(values.shape[1:], np.nan)
             return missing, missing
         return percentiles(values, self.level)
@@ -469,6 +476,7 @@ def combine_curves(
         larger=sum(curve.larger for curve in fragilities),
         incomplete={},  # those of the temperatures stay with their curves
         reached=None,
+        shares=dict(zip(curves, shares.tolist(), strict=True)),
         contradicted=[
             curve.name for share, curve in weighted if share > 0.0 and curve.contradiction
         ],
@@ -586,16 +594,21 @@ def _fragility(
         crossings = ida.crossings(capacity)
         estimate = incremental(crossings, curve_groups, draw, UNITS.get(intensity, ""))
         reached = reached_counts(crossings, at, intensity)
+    estimate = _limited(_studentised(estimate, draw, at, level), draw, at, beyond, level)
+    numbers = counts(at, beyond, intensity)
+    if estimate.outcome in (APART, ALL_BEYOND):
+        bounds = bounds_of(numbers if reached is None else reached, intensity, level)
+        estimate = replace(estimate, bounds=bounds)
     return Fragility(
         name=name,
         method=method,
         demand=demand,
         intensity=intensity,
         capacity=capacity,
-        parts=[(1.0, _limited(_studentised(estimate, draw, at, level), draw, at, beyond, level))],
+        parts=[(1.0, estimate)],
         level=level,
         runs=len(runs.table),
-        counts=counts(at, beyond, intensity),
+        counts=numbers,
         left_out=runs.left_out,
         collapsed=runs.collapsed,
         computed=runs.computed,

@@ -13,7 +13,6 @@ basis for multi-level design norms, 11th World Conference on Earthquake Engineer
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.core.records import Floats
 from thermobearing.results.base import COMPLETED
 from thermobearing.studies.definition.record import INTENSITY_UNITS
+from thermobearing.studies.statistics.comparison import Bounds
 from thermobearing.studies.statistics.demand import LEVEL, percentiles, widened
 from thermobearing.studies.statistics.fragility import Fragility, describe_few
 from thermobearing.studies.statistics.likelihood import UNREACHED
@@ -39,6 +39,10 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss points of a step
 TOO_LATE, TOO_EARLY = 0.01, 0.05
 RATE_OF_MISFIT = "the rate is that of a curve that contradicts its own runs"
 
+RATE_OF_COUNTS = (
+    "the counts determine no curve: low and high are the bounds of the rate that they allow, which "
+    "has no estimate between"
+)
 RATE_OF_NONE = (
     "no run exceeds the capacity: the upper bound of the rate assumes a dispersion of "
     f"{UNREACHED:g} of the capacity"
@@ -122,91 +126,153 @@ def load_hazard(path: str | Path, measure: str = "PGA") -> Hazard:
 class Rate:
     """Annual rate of exceedance of a capacity."""
 
-    rate: float  # [1/year]; NaN without a fragility curve
+    rate: float  # [1/year]; NaN without a fragility curve, where counts may give bounds
     low: float  # ends of its band; if no motion exceeded the capacity, the rate is 0
     high: float
     family: Floats  # of each bootstrap sample
     notes: tuple[str, ...] = ()  # on intensities outside the hazard curve
     groups: int = 0  # motions that the bootstrap draws from; 0 where it does not matter
     outcome: str = COMPLETED  # that of the fragility curve, such as "contradicted"
+    # of each sample, where counts give bounds; `family` has the lower bounds then
+    largest: Floats | None = None
+
+    @property
+    def is_bounded(self) -> bool:
+        """Whether the rate has bounds by counts in place of an estimate."""
+        return self.largest is not None
+
+    @property
+    def upper(self) -> Floats:
+        """The largest rate of each bootstrap sample."""
+        return self.family if self.largest is None else self.largest
 
     @property
     def few_motions(self) -> str:
         """Why the rate has no band, "" if it has one; a bound of no exceedance is always one."""
-        return describe_few(self.groups) if self.rate > 0.0 else ""
+        return describe_few(self.groups) if self.rate > 0.0 or self.is_bounded else ""
 
     @property
     def return_period(self) -> float:
         """Mean time between exceedances [year]."""
-        return 1.0 / self.rate if self.rate > 0.0 else float("inf")
+        return np.inf if self.rate == 0.0 else 1.0 / self.rate
 
     def probability(self, years: float) -> float:
         """Return the probability of an exceedance in some years (a Poisson process)."""
         return float(-np.expm1(-self.rate * years))
 
 
+def _bounds_of_rate(bounds: Bounds, hazard: Hazard) -> tuple[float, float]:
+    """Return the smallest and the largest rate of probabilities between bounds.
+
+    The smallest rises at the largest intensity that it may, and the largest at the smallest.
+    """
+    begin, end = hazard.intensity[0], hazard.intensity[-1]
+    rates = [hazard.at(np.clip(at, begin, end)) for at in (bounds.last, bounds.first)]
+    rates[0] = np.where(bounds.last > end, 0.0, rates[0])
+    smallest = float(np.diff(bounds.low, prepend=0.0) @ rates[0])
+    largest = bounds.high[0] * hazard.rate[0] + np.diff(bounds.high, append=1.0) @ rates[1]
+    return smallest, float(largest)
+
+
 def annual_rate(curve: Fragility, hazard: Hazard) -> Rate:
-    """Return the annual rate of exceedance of a capacity.
+    """Return the annual rate of exceedance of a capacity, or its bounds where there is no curve.
 
     Earthquakes above the last intensity of the hazard curve count with the probability there;
-    those below the first do not count. The notes state where that may matter.
+    those below the first do not count. The notes state where that may matter. Percentiles of a
+    bootstrap may be biased: a band that does not contain the rate is extended to it.
     """
     at, weights = hazard._points()
-    start, stop, last = hazard.intensity[:1], hazard.intensity[-1:], float(hazard.rate[-1])
+    ends, last = hazard.intensity[[0, -1]], float(hazard.rate[-1])
 
     def _total(probability: Callable[[Any], Floats]) -> Floats:
         inner: Floats = probability(at) @ weights
-        return np.asarray(inner + last * probability(stop)[..., 0])
+        return np.asarray(inner + last * probability(ends[1:])[..., 0])
 
-    rate = float(_total(curve.probability))
-    low, high = curve.ends(_total(curve.family)[:, None])
-    family = _total(partial(curve.family, drawn=True))
+    samples = len(curve.estimate.samples.place)
+    rate, least, most = 0.0, 0.0, 0.0
+    pivots, family = np.zeros((2, samples))
+    at_ends = np.zeros(2)  # probabilities at the ends of the hazard curve
+    for share, estimate in curve.parts:
+        if estimate.bounds is None:
+            rate += share * float(_total(estimate.probability))
+            pivots += share * _total(estimate.family)
+            family += share * _total((estimate.drawn or estimate).family)
+            at_ends += share * estimate.probability(ends)
+        else:
+            smallest, largest = _bounds_of_rate(estimate.bounds, hazard)
+            least, most = least + share * smallest, most + share * largest
+            at_ends += share * estimate.bounds.at_ends(*ends)
+    is_bounded = most > 0.0 and curve.is_rising
+    low = float(curve.ends((pivots + least)[:, None])[0][0])
+    high = float(curve.ends((pivots + most)[:, None])[1][0])
+    low, high = min(low, rate + least), max(high, rate + most)
+    rate = np.nan if is_bounded or not curve.is_rising else rate
+    return Rate(
+        rate=rate,
+        low=low if rate != 0.0 else 0.0,
+        high=high,
+        family=family + least,
+        notes=_notes(curve, hazard, low if is_bounded else rate, at_ends),
+        groups=curve.estimate.groups,
+        outcome=curve.outcome,
+        largest=family + most if is_bounded else None,
+    )
+
+
+def _notes(curve: Fragility, hazard: Hazard, rate: float, at_ends: Floats) -> tuple[str, ...]:
+    """Return what limits a rate, from the probabilities at the ends of the hazard curve."""
     unit = INTENSITY_UNITS.get(hazard.measure, "").replace("^2", "\N{SUPERSCRIPT TWO}")
     begins, ends = (f"{float(im):.4g} {unit}".strip() for im in hazard.intensity[[0, -1]])
     notes = []
-    first_probability = float(curve.probability(start)[0])
-    last_probability = float(curve.probability(stop)[0])
-    if first_probability > TOO_LATE:
+    if not curve.is_rising:
+        return ()
+    if at_ends[0] > TOO_LATE:
         notes.append(
             f"the hazard curve begins at {begins}, where the probability of exceedance is above "
             f"{100.0 * TOO_LATE:g} %: smaller earthquakes are not counted"
         )
-    if last * (1.0 - last_probability) > TOO_EARLY * rate:
+    if hazard.rate[-1] * (1.0 - at_ends[1]) > TOO_EARLY * rate:
         notes.append(
             f"the hazard curve ends at {ends}: larger earthquakes may add more "
             f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
+    if any(estimate.bounds is not None for _, estimate in curve.parts):
+        notes.append(RATE_OF_COUNTS)
     if curve.misfit:
         notes.append(RATE_OF_MISFIT)
     if rate == 0.0:
         notes.append(RATE_OF_NONE)
-    return Rate(
-        rate=rate,
-        low=float(low[0]) if rate != 0.0 else 0.0,
-        high=float(high[0]),
-        family=family,
-        notes=tuple(notes),
-        groups=curve.estimate.groups,
-        outcome=curve.outcome,
-    )
+    return tuple(notes)
 
 
 def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, float]:
-    """Return the ratio of two rates, whose bootstraps drew the same motions, and its band."""
+    """Return the ratio of two rates, whose bootstraps drew the same motions, and its band.
+
+    Of rates with bounds there is no ratio; its band begins with the lower bound over the upper one
+    of the other, and ends with the reverse. A band is extended to the ratio, as that of a rate.
+    """
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates need the same number of bootstrap samples")
-    if np.isnan(rate.rate + to.rate) or rate.rate == to.rate == 0.0:
+    if any(np.isnan(one.rate) and not one.is_bounded for one in (rate, to)):
         return np.nan, np.nan, np.nan
-    total = np.append(rate.family, rate.rate), np.append(to.family, to.rate)
+    if rate.rate == to.rate == 0.0:
+        return np.nan, np.nan, np.nan
+    if rate is to:
+        return 1.0, 1.0, 1.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = total[0] / total[1]  # the last is that of the estimates
-    finite = ratios[:-1][~np.isnan(ratios[:-1])]  # without samples that have no exceedance
-    if len(finite) == 0:
-        return float(ratios[-1]), np.nan, np.nan
-    low, high = percentiles(finite[:, None], widened(level, rate.groups))
+        quotient = float(np.divide(rate.rate, to.rate))
+        lows, highs = rate.family / to.upper, rate.upper / to.family
+    # Without samples that have no exceedance.
+    lows, highs = lows[~np.isnan(lows)], highs[~np.isnan(highs)]
+    if len(lows) == 0 or len(highs) == 0:
+        return quotient, np.nan, np.nan
+    confidence = widened(level, rate.groups)
+    low = float(percentiles(lows[:, None], confidence)[0][0])
+    high = float(percentiles(highs[:, None], confidence)[1][0])
+    if np.isfinite(quotient):
+        low, high = min(low, quotient), max(high, quotient)
     # A rate of zero has curves of its bound in place of a bootstrap, which lie above it.
-    lowest = 0.0 if rate.rate == 0.0 else float(low[0])
-    return float(ratios[-1]), lowest, np.inf if to.rate == 0.0 else float(high[0])
+    return quotient, 0.0 if rate.rate == 0.0 else low, np.inf if to.rate == 0.0 else high
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:

@@ -35,6 +35,7 @@ from thermobearing.border.errors import InputError
 from thermobearing.border.lazy import pd
 from thermobearing.core.records import Floats, Ints
 from thermobearing.results.base import COMPLETED
+from thermobearing.studies.statistics.comparison import Bounds, least_runs
 from thermobearing.studies.statistics.demand import Draw, equal_classes, widened
 
 Bools = NDArray[np.bool_]
@@ -44,6 +45,7 @@ STEADY = 1e-10  # of a standard score: the largest change of the last step
 FLAT = 1e-6  # slope of a curve that does not rise
 UNREACHED = 0.6  # assumed dispersion of a capacity that no motion reached
 ROOT_TWO_PI = 0.5 * np.log(2.0 * np.pi)
+LEAST_FACTOR = 1e-200  # of a dispersion, below which the curve is a jump
 STEEPEST = 3.0  # limit of the dispersion of an estimate over that of a bootstrap curve
 LARGEST_LOGARITHM = 700.0  # of an intensity; exp overflows at 710
 BISECTIONS = 60
@@ -251,7 +253,10 @@ def pivoted(best: Curves, samples: Curves, groups: int, level: float) -> Curves:
     ratio = slope[rising] / best.slope[0]
     distance = np.minimum(ratio, STEEPEST) * (place[rising] - best.place[0])
     place[rising] = best.place[0] - widening * distance
-    slope[rising] = best.slope[0] / np.minimum(ratio**exponent, STEEPEST)
+    factor = np.minimum(ratio**exponent, STEEPEST)
+    # With two or three motions the exponent is so large that the dispersion may have no digits.
+    jump = np.full(len(factor), np.inf)
+    slope[rising] = np.divide(best.slope[0], factor, out=jump, where=factor > LEAST_FACTOR)
     return Curves(place, slope, samples.link)
 
 
@@ -280,7 +285,7 @@ def least_median(largest: Floats, level: float) -> float:
     >>> least_median(np.array([3.0, 3.0, 3.0, 3.0, 2.0, 2.0, 1.0]), 0.95)
     2.0
     """
-    needed = int(np.ceil(np.log2(2.0 / (1.0 - level))))
+    needed = least_runs(level)
     return float(np.sort(largest)[-needed]) if len(largest) >= needed else np.nan
 
 
@@ -392,6 +397,7 @@ class Estimate:
     least_median: float = np.nan  # intensity; lower end of the median where no run is beyond
     between: int = 0  # number of curves of IDA whose capacity is known to lie between two runs
     ratio: float = 1.0  # of the intensities of such runs, if these are most of the curves
+    bounds: Bounds | None = None  # of the probability, where counts determine no curve
 
     @property
     def known(self) -> bool:
