@@ -1,5 +1,6 @@
 """Edges of what is drawn from a study: failed runs, counts without a curve, bad input."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -127,6 +128,19 @@ def test_a_step_has_the_rates_that_its_counts_allow() -> None:
     mean = hazard.annual_rate(combine_curves({0.0: step, 20.0: mixed}, [0.25, 0.75]), HAZARD)
     assert_allclose(mean.low, 0.25 * rate.low + 0.75 * other.low)
     assert_allclose(mean.high, 0.25 * rate.high + 0.75 * other.high)
+
+
+@pytest.mark.parametrize("shift", [-1.0, 1.0])
+def test_the_band_of_a_rate_contains_it(shift: float) -> None:
+    """All curves of the band are on one side of the best one, as of a biased bootstrap."""
+    table = two_levels([0.1, 0.1, 0.1, 3.0], [0.1, 3.0, 3.0, 3.0])
+    curve = fragility_curve(table, "drift", 1.0, "im", samples=20)
+    best = curve.estimate.best
+    samples = Curves(np.full(20, best.place[0] + shift), np.full(20, best.slope[0]))
+    biased = replace(curve, parts=[(1.0, replace(curve.estimate, samples=samples))])
+    rate = hazard.annual_rate(biased, HAZARD)
+    assert rate.low < rate.high
+    assert rate.rate == (rate.low if shift < 0.0 else rate.high)
 
 
 def test_two_motions_have_no_division_by_zero() -> None:

@@ -504,7 +504,8 @@ def _rates_table(
     rows = part.rates_table(curves, rates)
     few_motions = [rate.few_motions for rate in rates.values()]
     warm = temperature_words(list(curves)[-1])
-    notes = [*few_motions, *rows["notes"], _weights_note(list(part.all_curves().values())[-1])]
+    limits = (text for rate in rates.values() for text in rate.notes)
+    notes = [*few_motions, *limits, _weights_note(list(part.all_curves().values())[-1])]
     unlimited = np.isinf(rows["over_high"].to_numpy(dtype=float))
     if unlimited.any():
         rows["over_high"] = rows["over_high"].astype(object).where(~unlimited, NO_UPPER)

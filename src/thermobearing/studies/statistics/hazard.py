@@ -236,11 +236,12 @@ def _notes(curve: Fragility, hazard: Hazard, rate: float, at_ends: Floats) -> tu
             f"the hazard curve ends at {ends}: larger earthquakes may add more "
             f"than {100.0 * TOO_EARLY:g} % to the rate"
         )
-    if any(estimate.bounds is not None for _, estimate in curve.parts):
+    has_bounds = any(estimate.bounds is not None for _, estimate in curve.parts)
+    if has_bounds:
         notes.append(RATE_OF_COUNTS)
     if curve.misfit:
         notes.append(RATE_OF_MISFIT)
-    if rate == 0.0:
+    if rate == 0.0 and not has_bounds:
         notes.append(RATE_OF_NONE)
     return tuple(notes)
 
