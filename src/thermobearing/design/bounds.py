@@ -266,9 +266,8 @@ BOUNDS_NOTE = (
     "therefore larger than that of the real loop, which the factors use"
 )
 INITIAL_NOTE = (
-    "K_1 is K_2 over a ratio that is usual for the kind of bearing, and not the initial stiffness "
-    "K_0 of the model, which links.txt of a bridge has as K_1 of a bearing of linear rubber with "
-    "lead"
+    "K_1 follows from K_2 by the usual ratio of its kind. Of a lead rubber bearing the report and "
+    "links.txt of a bridge state a larger K_1, the initial stiffness of its model"
 )
 VIRGIN_BOUND = (
     "The lower and the upper bound are of tested rubber. As a rule, that of virgin rubber "
