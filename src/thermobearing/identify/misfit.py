@@ -147,7 +147,7 @@ def _by_lag(item: Difference) -> str:
         return ""
     return (
         f"; a thermocouple that lags by {number(item.lag, '.2g')} s would explain "
-        f"{percent(item.by_lag)} of its square"
+        f"{percent(item.by_lag)} of the squared difference"
     )
 
 

@@ -629,9 +629,10 @@ def remove_earlier(result: StudyResult, folder: Path, written: Sequence[Path]) -
         "",
         *(f"-{name}" for name in [*levels[0], *levels[1], *map("-".join, product(*levels))]),
     ]
-    kept = {*written, *(path.with_suffix(".png") for path in written)}  # each has a picture too
-    names = map("".join, product(FIGURE_KINDS, parts, FIGURE_ENDINGS))
-    earlier = [folder / name for name in names if folder / name not in kept]
+    # One that is drawn now in another format may be in a paper: it stays.
+    drawn = {path.stem for path in written}
+    stems = [name for name in map("".join, product(FIGURE_KINDS, parts)) if name not in drawn]
+    earlier = [folder / f"{stem}{ending}" for stem, ending in product(stems, FIGURE_ENDINGS)]
     earlier = [path for path in earlier if path.is_file()]
     for path in earlier:
         path.unlink()
