@@ -379,7 +379,7 @@ def test_tables_and_texts_of_bounds_keep_the_stiffnesses_apart() -> None:
     assert row["Q_y_kN"] == pytest.approx(p.initial * knee)
     for language in ("tcl", "python"):
         text = opensees_text(lower, "b", language)
-        assert "not the initial stiffness K_0" in text  # the other K_1 of links.txt
+        assert "links.txt" in text  # which has the other K_1
         last = text.splitlines()[-1]
         numbers = last.replace(",", " ").replace(")", " ").split()[-3:]
         assert_allclose(
