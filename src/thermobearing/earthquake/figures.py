@@ -372,8 +372,11 @@ class EarthquakeFigures(Panels):
         texts = [f"{value:.0f}" for value in hottest]
         texts[-1] += " °C"
         ends = dict.fromkeys(f"{at:.0f}" for at in sorted(later)[:: max(len(later) - 1, 1)])
-        when = f", at {' to '.join(ends)} s" if later else ""
-        drawing.note_values(ax, f"hottest{when}", texts, [self._colour(run) for run in runs])
+        drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
+        if later:  # at the left a rise is small and leaves room
+            look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY, "va": "top"}
+            note = f"hottest at {' to '.join(ends)} s"
+            ax.text(0.03, 0.96, note, transform=ax.transAxes, **look)
 
     def speed(self) -> Figure:
         """Return the loading speed of the bearing on its own clock, as Fig. 3.15.

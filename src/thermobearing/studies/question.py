@@ -122,9 +122,9 @@ def _hazard_table(path: Path) -> dict[str, Any]:
         }
     # Most files have the column of one measure: what is wrong with it says more than that those of
     # the others are missing.
-    found = [error for error in faults if "no column" not in str(error)]
-    fault = (found or faults)[0]
-    if found and "cannot be converted" not in str(fault):
+    unreadable = [error for error in faults if "no column" not in str(error)]
+    fault = (unreadable or faults)[0]
+    if unreadable and "cannot be converted" not in str(fault):
         raise fault
     heads = " or ".join(f"{measure} [{unit}]" for measure, unit in INTENSITY_UNITS.items())
     first, *others = fault.problems

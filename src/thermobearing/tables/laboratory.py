@@ -362,17 +362,17 @@ class _Reader:
             first = int(np.isnan(values[name]).argmax())
             file = files[block[first]]
             place = f"line {lines[first]:.0f}" + (f" of {file.name}" if len(set(files)) > 1 else "")
-            found = measure_gaps(title, place, time, values[name], chamber=chamber)
+            gaps = measure_gaps(title, place, time, values[name], chamber=chamber)
             needed = self.sidecar.ambient is None if chamber else name in self.sidecar.thermocouples
-            if found.fault and needed:
-                raise InputError(found.fault, str(file))
-            if found.fault:
+            if gaps.fault and needed:
+                raise InputError(gaps.fault, str(file))
+            if gaps.fault:
                 del values[name]
-                self.assumptions.append(f"not used: {found.fault}")
+                self.assumptions.append(f"not used: {gaps.fault}")
                 continue
             if chamber:
                 values[name] = fill_gaps(time, values[name])
-            settled.append(found)
+            settled.append(gaps)
         return settled
 
     def _is_path(self, file: Path) -> bool:

@@ -36,8 +36,8 @@ def energy_of_warmest(
     if energies is None:
         energies = table[["bearing_energy_kN_mm"]].to_numpy(dtype=float)
     lines = places_of_largest(energies[warmest])
-    own, reference = energies[np.arange(len(table)), lines], energies[warmest, lines]
+    energy, reference = energies[np.arange(len(table)), lines], energies[warmest, lines]
     kinds: dict[Any, int] = {name: len(set(of.values())) for name, of in line_bearings.items()}
     several = table["bearing"].map(kinds).fillna(1) > 1
-    ratios = pd.Series(own, table.index) / pd.Series(reference, table.index)
+    ratios = pd.Series(energy, table.index) / pd.Series(reference, table.index)
     return ratios.mask(several)

@@ -255,8 +255,8 @@ def action_on_untested(case: Mapping[str, Any], band: StrengthBand | None) -> st
             effects.append(f"{cause} {joined(changes)}{_scope(band, comparison)}")
     names = dict.fromkeys([*of_rubber, *band.names])
     values = "G and Q_d" if of_rubber else "Q_d"
-    known = f": {'; '.join(effects)}" if effects else ""
-    return plain(f"Have {joined(names)} tested, or ask the maker for {values}{known}.")
+    consequences = f": {'; '.join(effects)}" if effects else ""
+    return plain(f"Have {joined(names)} tested, or ask the maker for {values}{consequences}.")
 
 
 def _changes(comparison: Comparison) -> list[str]:

@@ -254,7 +254,7 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     """
     if len(rate.family) != len(to.family):
         raise InputError("the bands of two rates need the same number of bootstrap samples")
-    if any(np.isnan(one.rate) and not one.is_bounded for one in (rate, to)):
+    if any(np.isnan(side.rate) and not side.is_bounded for side in (rate, to)):
         return np.nan, np.nan, np.nan
     if rate.rate == to.rate == 0.0:
         return np.nan, np.nan, np.nan
