@@ -376,7 +376,7 @@ class EarthquakeFigures(Panels):
         if later:  # at the left a rise is small and leaves room
             look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY, "va": "top"}
             note = f"hottest at {' to '.join(ends)} s"
-            ax.text(0.03, 0.96, note, transform=ax.transAxes, **look)
+            ax.text(0.03, 0.84, note, transform=ax.transAxes, **look)  # below that of values
 
     def speed(self) -> Figure:
         """Return the loading speed of the bearing on its own clock, as Fig. 3.15.
