@@ -161,3 +161,9 @@ def test_thinned_loops_keep_their_corners() -> None:
     kept = thin_loops(x, x, 1.0, 1.0, most=5)
     assert len(kept) < 10
     assert x[kept].max() == 1.0
+    corners = np.arange(0, 601, 100)
+    sizes = np.array([0.0, 1.0, -2.0, 3.0, -4.0, 5.0, 0.0])  # of growing cycles
+    growing = np.interp(np.arange(601), corners, sizes)
+    kept = thin_loops(growing, growing, 10.0, 10.0, most=20)
+    assert len(kept) < 40
+    assert set(corners.tolist()) <= set(kept.tolist())

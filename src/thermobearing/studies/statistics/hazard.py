@@ -273,7 +273,7 @@ def ratio(rate: Rate, to: Rate, level: float = LEVEL) -> tuple[float, float, flo
     if np.isfinite(quotient):
         low, high = min(low, quotient), max(high, quotient)
     # A rate of zero has curves of its bound in place of a bootstrap, which lie above it.
-    return quotient, 0.0 if rate.rate == 0.0 else low, np.inf if to.rate == 0.0 else high
+    return quotient, low, np.inf if to.rate == 0.0 else high
 
 
 def shares_of_time(levels: Sequence[float], temperatures: Any) -> Floats:
