@@ -64,8 +64,11 @@ def test_a_lost_overlap_is_stated_at_the_largest_displacement():
     """Before: where the overlap was lost first, as if the top went no farther."""
     bearing = tb.load_bearing("shen-hdr-bridge")
     side = bearing.geometry.plan.side
-    way = side * np.array([0.0, 0.7, 1.01, 1.2, 1.1])
-    for displacement in (way, np.column_stack([way, np.zeros(len(way))])):
+    displacements = side * np.array([0.0, 0.7, 1.01, 1.2, 1.1])
+    for displacement in (
+        displacements,
+        np.column_stack([displacements, np.zeros(len(displacements))]),
+    ):
         sources = [row.source for row in vertical_checks(bearing, LOAD, displacement, 23.0)]
         assert sum(f"0 % at {1.2 * side:.0f} mm" in source for source in sources) == 2
 

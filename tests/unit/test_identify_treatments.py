@@ -212,8 +212,8 @@ def test_missing_temperatures_are_left_out_and_counted(
     assert np.flatnonzero(np.isnan(sensor)).tolist() == [7, 100, 101]
     assert (record.ambient, record.air_offset) == (23.0, 0.0)
     assert record.digests[str(file)] == hashlib.sha256(file.read_bytes()).hexdigest()
-    found = [f.sentence for f in check_test(record).findings if f.check == "gaps"]
-    assert [re.findall(r"\d+ readings|line \d+", one) for one in found] == [
+    sentences = [f.sentence for f in check_test(record).findings if f.check == "gaps"]
+    assert [re.findall(r"\d+ readings|line \d+", one) for one in sentences] == [
         ["2 readings", "line 2"],
         ["3 readings", "line 9"],
     ]
@@ -225,7 +225,7 @@ def test_missing_temperatures_are_left_out_and_counted(
     assert f"3 missing readings of {SENSOR}" in sentence
     assert "missing_readings" in {c.name for c in treatment_table([treated]).columns}
     notes = measure_cycles(file, tb.load_bearing("shen-hdr-specimen")).notes
-    assert set(found) <= set(notes)
+    assert set(sentences) <= set(notes)
 
 
 def test_a_comparison_leaves_missing_readings_out(tmp_path: Path, smooth: TestRecord) -> None:

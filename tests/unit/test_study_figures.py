@@ -407,15 +407,19 @@ def drawn_texts(figure: Any) -> str:
 
 def test_incomplete_studies_say_so_in_figures() -> None:
     """The figures of some runs, of one bearing too, state how many of the study there are."""
-    whole = ask(made_up(), capacity=1.0, hazard=HAZARD)
+    complete = ask(made_up(), capacity=1.0, hazard=HAZARD)
     some = StudyResult(
-        whole.table[:-16], whole.study, {"runs": whole.runs}, "out/p1", whole.question
+        complete.table[:-16],
+        complete.study,
+        {"runs": complete.runs},
+        "out/p1",
+        complete.question,
     )
-    count = f"{whole.runs - 16} of {whole.runs} runs"
+    count = f"{complete.runs - 16} of {complete.runs} runs"
     part = some.select(bearing="shen-hdr-bridge")
     assert part.outcome == "incomplete"
     assert part.warnings[0].startswith(count)
-    for result, is_complete in ((some, False), (whole, True)):
+    for result, is_complete in ((some, False), (complete, True)):
         for name, draw in result.plot.draw_all().items():
             assert (count in drawn_texts(draw())) != is_complete, name
 
@@ -449,10 +453,10 @@ def test_earlier_figures_are_removed(tmp_path: Path) -> None:
     """Those of another set of bearings or question; all other files stay."""
     result = ask(made_up(), capacity=1.0)
     earlier = ["fragility.png", "rates-shen-hdr-bridge.png", "ida.svg"]
-    own = ["fragility-notes.png", "fragility.csv", "sketch.png"]
+    of_user = ["fragility-notes.png", "fragility.csv", "sketch.png"]
     kept = ["demand.png", "fragility-shen-hdr-bridge.pdf", "fragility-shen-hdr-bridge.png"]
-    for name in [*earlier, *own, *kept]:
+    for name in [*earlier, *of_user, *kept]:
         (tmp_path / name).touch()
     written = [tmp_path / name for name in kept[:2]]
     assert {path.name for path in remove_earlier(result, tmp_path, written)} == set(earlier)
-    assert {path.name for path in tmp_path.iterdir()} == {*own, *kept}
+    assert {path.name for path in tmp_path.iterdir()} == {*of_user, *kept}

@@ -169,14 +169,14 @@ def test_company_does_not_matter(within: bool) -> None:
     bearing = load_bearing(LHDR)
     constants = variants(bearing) if within else leaving_tests(variants(bearing))
 
-    def responses_of(lanes: Iterable[int]) -> types.Kept:
+    def march_together(lanes: Iterable[int]) -> types.Kept:
         joined = side_by_side([begun(bearing, constants[lane], lane) for lane in lanes])
         march_lanes(*joined, aligned((3, WIDTH), np.float64))
         return joined[-1]
 
-    mixed = responses_of(range(WIDTH))
+    mixed = march_together(range(WIDTH))
     for lane in range(0, WIDTH, 3):
-        alike = responses_of([lane] * WIDTH)
+        alike = march_together([lane] * WIDTH)
         for name in ("force", "work_in", "heat_stored", "lead_temperature"):
             expected = np.repeat(mixed.response[name][..., lane, None], WIDTH, axis=-1)
             assert_array_equal(alike.response[name], expected)

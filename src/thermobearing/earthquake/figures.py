@@ -371,9 +371,9 @@ class EarthquakeFigures(Panels):
                 drawing.mark_tested(ax, end - float(values[0, 0]), "tested to here")
         texts = [f"{value:.0f}" for value in hottest]
         texts[-1] += " °C"
-        ends = dict.fromkeys(f"{at:.0f}" for at in sorted(later)[:: max(len(later) - 1, 1)])
         drawing.note_values(ax, "hottest", texts, [self._colour(run) for run in runs])
         if later:  # at the left a rise is small and leaves room
+            ends = dict.fromkeys(f"{at:.0f}" for at in (min(later), max(later)))
             look = {"fontsize": drawing.SMALLEST, "color": drawing.GREY, "va": "top"}
             note = f"hottest at {' to '.join(ends)} s"
             ax.text(0.03, 0.84, note, transform=ax.transAxes, **look)  # below that of values

@@ -269,7 +269,7 @@ def _peaks_table(
     if frame["lead_max_degC"].notna().any():
         columns["lead_temperature"] = "lead_max_degC"
     marked = {name: [limit in passed for passed in limits] for limit, name in columns.items()}
-    # What has no column of its own marks the motion; the strain rate does not, as the note says.
+    # What has no column marks the motion; the strain rate does not, as the note says.
     other_limits = {limit for passed in limits for limit in passed} - {*columns, "strain_rate"}
     marked["motion"] = [bool(other_limits.intersection(passed)) for passed in limits]
     elsewhere = measures.strained_elsewhere(result)

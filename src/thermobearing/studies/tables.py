@@ -202,15 +202,15 @@ def _ratio_words(row: Any, rate: Rate, warm: str) -> str:
     # Too few motions have no band.
     if not 0.0 < quotient < np.inf:
         has_bounds = np.isnan(quotient) and low < np.inf and not rate.few_motions
-        return f", {_ends_of(low, high, warm)} {times}" if has_bounds else ""
-    band = f" ({_ends_of(low, high, warm)})" if not rate.few_motions else ""
+        return f", {_band_words(low, high, warm)} {times}" if has_bounds else ""
+    band = f" ({_band_words(low, high, warm)})" if not rate.few_motions else ""
     return f", {quotient:.2f} {times}{band}"
 
 
-def _ends_of(low: float, high: float, warm: str) -> str:
+def _band_words(low: float, high: float, warm: str) -> str:
     """Return the ends of a band of a ratio, and why it has no upper one.
 
-    >>> _ends_of(0.5, 2.0, "23 °C"), _ends_of(0.5, np.inf, "23 °C").partition(":")[0]
+    >>> _band_words(0.5, 2.0, "23 °C"), _band_words(0.5, np.inf, "23 °C").partition(":")[0]
     ('0.50 to 2.00', '0.50 or more; no upper bound')
     """
     if high < np.inf:

@@ -170,7 +170,7 @@ def least_runs(level: float) -> int:
     return int(np.ceil(np.log2(2.0 / (1.0 - level))))
 
 
-def bounds_of(counts: "pd.DataFrame", name: str, level: float) -> Bounds:
+def allowed_probabilities(counts: "pd.DataFrame", name: str, level: float) -> Bounds:
     """Return the probabilities that counts allow, at a confidence for each intensity.
 
     `counts` has the intensity `name`, numbers of `runs` and of those `beyond` the capacity, and

@@ -37,7 +37,7 @@ from thermobearing.studies.definition.record import COLUMNS, INTENSITY_UNITS
 from thermobearing.studies.statistics.comparison import (
     CONTRADICTED,
     Contradiction,
-    bounds_of,
+    allowed_probabilities,
     compare_counts,
     find_contradiction,
     find_half,
@@ -597,7 +597,7 @@ def _fragility(
     estimate = _limited(_studentised(estimate, draw, at, level), draw, at, beyond, level)
     numbers = counts(at, beyond, intensity)
     if estimate.outcome in (APART, ALL_BEYOND):
-        bounds = bounds_of(numbers if reached is None else reached, intensity, level)
+        bounds = allowed_probabilities(numbers if reached is None else reached, intensity, level)
         estimate = replace(estimate, bounds=bounds)
     return Fragility(
         name=name,
