@@ -170,6 +170,8 @@ def test_each_temperature_is_a_cause_of_its_own(two_starts: tb.Identification) -
         (-10.0, 0.2, True, "yet as cold"),
         (40.0, -0.2, True, "yet as warm"),
         (40.0, 0.2, False, ""),
+        (22.0, -0.2, True, "yet as warm"),  # rooms are cooler and warmer than that
+        (22.0, 0.2, True, "yet as cold"),
     ],
 )
 def test_a_specimen_comes_from_a_room(
